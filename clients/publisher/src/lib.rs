@@ -1,0 +1,1 @@
+//! A small cloth simulator that talks to untangled.

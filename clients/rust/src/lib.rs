@@ -1,0 +1,1 @@
+//! What a host links to talk to the untangled daemon.

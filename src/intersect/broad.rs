@@ -1,0 +1,1 @@
+//! Candidate pairs of faces: boxes that overlap.

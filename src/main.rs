@@ -1,0 +1,3 @@
+//! The `untangled` binary.
+
+fn main() {}

@@ -1,0 +1,207 @@
+//! Immutable topology of a cloth: what never changes after validation.
+//!
+//! Topology holds no positions, so no rounding can corrupt connectivity; positions of one instant are a
+//! [`Frame`](crate::frame::Frame). Words: a *piece* is a set of faces connected by edges; a *boundary* edge has one face; an edge of more
+//! than two faces is *non-manifold*; a face with a repeated index is *ignored* by everything but the counts of the input.
+
+mod build;
+mod csr;
+mod description;
+mod error;
+mod ids;
+
+pub use description::{MeshDescription, Uvs};
+pub use error::MeshError;
+pub use ids::{EdgeId, FaceId, PieceId, VertexId};
+
+use csr::Csr;
+
+/// Validated connectivity of one or several pieces of cloth, and what belongs to it for good: texture coordinates, rest
+/// positions, masses, pins and layers.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    num_vertices: usize,
+    faces: Vec<[VertexId; 3]>,
+    edges: Vec<[VertexId; 2]>,
+    face_edges: Vec<Option<[EdgeId; 3]>>,
+    edge_faces: Csr<FaceId>,
+    vertex_faces: Csr<FaceId>,
+    vertex_edges: Csr<EdgeId>,
+    face_piece: Vec<Option<PieceId>>,
+    num_pieces: usize,
+    num_boundary_edges: usize,
+    num_ignored_faces: usize,
+    manifold: bool,
+    is_boundary_vertex: Vec<bool>,
+    uvs: Option<Uvs>,
+    rest_positions: Option<Vec<[f64; 3]>>,
+    masses_kg: Option<Vec<f64>>,
+    is_pinned: Vec<bool>,
+    layers: Option<Vec<u32>>,
+}
+
+impl Mesh {
+    /// The largest number of vertices or faces: what 31-bit indices can name.
+    pub const MAX_ELEMENTS: usize = 1 << 31;
+
+    /// Number of vertices of the input, unused ones included.
+    #[must_use]
+    pub fn num_vertices(&self) -> usize {
+        self.num_vertices
+    }
+
+    /// Number of faces of the input, ignored ones included.
+    #[must_use]
+    pub fn num_faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Number of edges of faces that are not ignored.
+    #[must_use]
+    pub fn num_edges(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// Number of pieces.
+    #[must_use]
+    pub fn num_pieces(&self) -> usize {
+        self.num_pieces
+    }
+
+    /// Number of edges with exactly one face.
+    #[must_use]
+    pub fn num_boundary_edges(&self) -> usize {
+        self.num_boundary_edges
+    }
+
+    /// Number of faces with a repeated vertex.
+    #[must_use]
+    pub fn num_ignored_faces(&self) -> usize {
+        self.num_ignored_faces
+    }
+
+    /// Whether there is no boundary edge.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.num_boundary_edges == 0
+    }
+
+    /// Whether every edge has at most two faces and the faces round every vertex form one fan.
+    #[must_use]
+    pub fn is_manifold(&self) -> bool {
+        self.manifold
+    }
+
+    /// All face ids, ignored faces included.
+    pub fn face_ids(&self) -> impl Iterator<Item = FaceId> + Clone + use<> {
+        (0..u32::try_from(self.faces.len()).expect("limited at construction")).map(FaceId)
+    }
+
+    /// All edge ids.
+    pub fn edge_ids(&self) -> impl Iterator<Item = EdgeId> + Clone + use<> {
+        (0..u32::try_from(self.edges.len()).expect("limited at construction")).map(EdgeId)
+    }
+
+    /// All vertex ids.
+    pub fn vertex_ids(&self) -> impl Iterator<Item = VertexId> + Clone + use<> {
+        (0..u32::try_from(self.num_vertices).expect("limited at construction")).map(VertexId)
+    }
+
+    /// The three vertices of a face, as given.
+    #[must_use]
+    pub fn face(&self, face: FaceId) -> [VertexId; 3] {
+        self.faces[face.index()]
+    }
+
+    /// The two vertices of an edge, the lower index first.
+    #[must_use]
+    pub fn edge(&self, edge: EdgeId) -> [VertexId; 2] {
+        self.edges[edge.index()]
+    }
+
+    /// The edges of a face; edge `k` joins corners `k` and `k + 1`. Nothing for an ignored face.
+    #[must_use]
+    pub fn face_edges(&self, face: FaceId) -> Option<[EdgeId; 3]> {
+        self.face_edges[face.index()]
+    }
+
+    /// The faces of an edge, ascending.
+    #[must_use]
+    pub fn edge_faces(&self, edge: EdgeId) -> &[FaceId] {
+        self.edge_faces.row(edge.index())
+    }
+
+    /// The faces round a vertex, ascending, ignored ones left out.
+    #[must_use]
+    pub fn vertex_faces(&self, vertex: VertexId) -> &[FaceId] {
+        self.vertex_faces.row(vertex.index())
+    }
+
+    /// The edges of a vertex, ascending.
+    #[must_use]
+    pub fn vertex_edges(&self, vertex: VertexId) -> &[EdgeId] {
+        self.vertex_edges.row(vertex.index())
+    }
+
+    /// The edge between two vertices, if there is one.
+    #[must_use]
+    pub fn edge_between(&self, a: VertexId, b: VertexId) -> Option<EdgeId> {
+        let ends = if a < b { [a, b] } else { [b, a] };
+        self.vertex_edges(a).iter().copied().find(|&edge| self.edge(edge) == ends)
+    }
+
+    /// The vertex of an edge that is not `vertex`.
+    #[must_use]
+    pub fn opposite_vertex(&self, edge: EdgeId, vertex: VertexId) -> VertexId {
+        let [a, b] = self.edge(edge);
+        if a == vertex { b } else { a }
+    }
+
+    /// Whether exactly one face has this edge.
+    #[must_use]
+    pub fn is_boundary_edge(&self, edge: EdgeId) -> bool {
+        self.edge_faces(edge).len() == 1
+    }
+
+    /// Whether a boundary edge ends in this vertex.
+    #[must_use]
+    pub fn is_boundary_vertex(&self, vertex: VertexId) -> bool {
+        self.is_boundary_vertex[vertex.index()]
+    }
+
+    /// The piece of a face; nothing for an ignored face.
+    #[must_use]
+    pub fn piece(&self, face: FaceId) -> Option<PieceId> {
+        self.face_piece[face.index()]
+    }
+
+    /// Texture coordinates, if there are any.
+    #[must_use]
+    pub fn uvs(&self) -> Option<&Uvs> {
+        self.uvs.as_ref()
+    }
+
+    /// Unstrained positions in metres, if given.
+    #[must_use]
+    pub fn rest_positions(&self) -> Option<&[[f64; 3]]> {
+        self.rest_positions.as_deref()
+    }
+
+    /// Mass of each vertex in kilograms, if given.
+    #[must_use]
+    pub fn masses_kg(&self) -> Option<&[f64]> {
+        self.masses_kg.as_deref()
+    }
+
+    /// Whether the host keeps this vertex where it is.
+    #[must_use]
+    pub fn is_pinned(&self, vertex: VertexId) -> bool {
+        self.is_pinned[vertex.index()]
+    }
+
+    /// Layer of each vertex, if given, from the body outwards.
+    #[must_use]
+    pub fn layers(&self) -> Option<&[u32]> {
+        self.layers.as_deref()
+    }
+}

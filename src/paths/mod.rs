@@ -1,0 +1,192 @@
+//! Intersection paths: segments joined, followed over both sheets, and classified by where they end.
+//!
+//! Glossary. A *chain* is a connected run of segments in the world (the literature also says contour). Each point of it
+//! touches the cloth in two places, so it has two *copies*; each copy is the other's *corresponding path*. Where the two
+//! faces of a segment share a vertex, the *loop vertex*, both copies meet and a path folds back: path and corresponding path
+//! are then one. A [`PathPair`] is what is found, a [`PathCopy`] what is left after EIGHT, CROSS and BLLB are split.
+
+use std::ops::Range;
+
+use nalgebra::Point3;
+use serde::Serialize;
+
+use crate::mesh::{EdgeId, FaceId, VertexId};
+
+/// Type of a pair of corresponding paths, as found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub enum PairType {
+    /// Two closed paths.
+    #[serde(rename = "CLOSED/CLOSED")]
+    Closed,
+    /// One closed path with one loop vertex, visited twice: two closed paths after the split.
+    #[serde(rename = "EIGHT")]
+    Eight,
+    /// A closed path with two loop vertices: a line in the world.
+    #[serde(rename = "LL")]
+    LoopLoop,
+    /// From the boundary to a loop vertex and back to the inside.
+    #[serde(rename = "BLI")]
+    BoundaryLoopInside,
+    /// From the boundary to a loop vertex and back to the boundary.
+    #[serde(rename = "BLB")]
+    BoundaryLoopBoundary,
+    /// Two BLI whose free ends touch on the boundary.
+    #[serde(rename = "BLLB")]
+    BoundaryLoopLoopBoundary,
+    /// Two BLI that share their loop vertex: a BB/II pair after the split.
+    #[serde(rename = "CROSS")]
+    Cross,
+    /// One copy ends twice on the boundary, the other never.
+    #[serde(rename = "BB/II")]
+    BoundaryBoundaryInsideInside,
+    /// One copy ends twice on the boundary, the other once.
+    #[serde(rename = "BB/BI")]
+    BoundaryBoundaryBoundaryInside,
+    /// Both copies end twice on the boundary.
+    #[serde(rename = "BB/BB")]
+    BoundaryBoundaryBoundaryBoundary,
+    /// Both copies end once on the boundary.
+    #[serde(rename = "BI/BI")]
+    BoundaryInside,
+}
+
+/// Type of one path after splitting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub enum PathType {
+    /// A loop without a loop vertex.
+    #[serde(rename = "CLOSED")]
+    Closed,
+    /// A loop with two loop vertices, its own corresponding path.
+    #[serde(rename = "LL")]
+    LoopLoop,
+    /// Boundary, loop vertex, inside; its own corresponding path.
+    #[serde(rename = "BLI")]
+    BoundaryLoopInside,
+    /// Boundary, loop vertex, boundary; its own corresponding path.
+    #[serde(rename = "BLB")]
+    BoundaryLoopBoundary,
+    /// Both ends on the boundary.
+    #[serde(rename = "BB")]
+    BoundaryBoundary,
+    /// One end on the boundary.
+    #[serde(rename = "BI")]
+    BoundaryInside,
+    /// No end on the boundary.
+    #[serde(rename = "II")]
+    InsideInside,
+}
+
+/// A place on the cloth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfacePoint {
+    /// In a vertex (loop vertices only).
+    Vertex(VertexId),
+    /// On an edge, 0 at its first vertex, 1 at its second.
+    Edge {
+        /// The edge.
+        edge: EdgeId,
+        /// Position along it.
+        parameter: f64,
+    },
+    /// Inside a face.
+    Face {
+        /// The face.
+        face: FaceId,
+        /// One coordinate for each corner; they sum to 1.
+        barycentric: [f64; 3],
+    },
+}
+
+/// One point of a path: its world position, and where it touches the cloth on this path and on the corresponding one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// World position in metres.
+    pub position: Point3<f64>,
+    /// Place on the cloth along this path.
+    pub own: SurfacePoint,
+    /// Place on the cloth along the corresponding path.
+    pub partner: SurfacePoint,
+}
+
+/// The run of a path through one face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSegment {
+    /// The face that this path runs through.
+    pub own: FaceId,
+    /// The face that the corresponding path runs through.
+    pub partner: FaceId,
+}
+
+/// One path after splitting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathCopy {
+    /// Its type.
+    pub path_type: PathType,
+    /// Whether it is a loop on the cloth.
+    pub closed: bool,
+    /// Its points in [`IntersectionPaths::points`]: one more than segments; a closed path repeats its first point at the end.
+    pub points: Range<usize>,
+    /// Its segments in [`IntersectionPaths::segments`].
+    pub segments: Range<usize>,
+    /// Index of the corresponding path in [`IntersectionPaths::copies`]; its own index for LL, BLI and BLB.
+    pub partner: usize,
+    /// Index of the pair in [`IntersectionPaths::pairs`].
+    pub pair: usize,
+}
+
+/// Where a chain ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum ChainEnd {
+    /// A boundary edge pierces a face.
+    Boundary {
+        /// Vertices of the edge.
+        edge: [u32; 2],
+        /// The face.
+        face: u32,
+    },
+    /// The two sheets meet in a vertex.
+    Loop {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// An edge of more than two faces pierces a face, or the other way round: the chain was split here.
+    Junction {
+        /// Vertices of the edge.
+        edge: [u32; 2],
+        /// The face.
+        face: u32,
+    },
+}
+
+/// A pair of corresponding paths, as found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathPair {
+    /// Its type.
+    pub pair_type: PairType,
+    /// Whether it is a loop in the world.
+    pub closed: bool,
+    /// Number of intersecting face pairs along it.
+    pub num_segments: usize,
+    /// World length in metres.
+    pub length_m: f64,
+    /// Loop vertices, in the order met.
+    pub loop_vertices: Vec<VertexId>,
+    /// Its free ends, in the order met; none for a closed one.
+    pub ends: Vec<ChainEnd>,
+    /// Its paths after splitting, in [`IntersectionPaths::copies`].
+    pub copies: Range<usize>,
+}
+
+/// All paths of a frame.
+#[derive(Clone, Debug, Default)]
+pub struct IntersectionPaths {
+    /// Pairs, in the order of their lowest segment.
+    pub pairs: Vec<PathPair>,
+    /// Paths after splitting, pair by pair.
+    pub copies: Vec<PathCopy>,
+    /// Points of all copies.
+    pub points: Vec<PathPoint>,
+    /// Segments of all copies.
+    pub segments: Vec<PathSegment>,
+}

@@ -1,0 +1,122 @@
+//! What a user chooses: the same names in files, on the command line and on the wire.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// All choices for one session. Lengths are in metres where the name says so, otherwise relative to the mean edge length `h` of the
+/// frame, so that the defaults fit cloth of any size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// How corrections are found.
+    pub response: Response,
+    /// Which of the two sides of a partitioning path is inside.
+    pub inside: InsideChoice,
+    /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per unit mass).
+    pub stiffness_per_step2: f64,
+    /// Largest correction of a vertex in one step, in mean edge lengths: the `f_max` of the force law, per unit mass and step^2.
+    pub max_step_edge_lengths: f64,
+    /// Thickness of the cloth in metres. Without it the mean edge length stands in.
+    pub thickness_m: Option<f64>,
+    /// Fewest centres of a radial basis function fit.
+    pub min_centres: usize,
+    /// Most centres of a radial basis function fit.
+    pub max_centres: usize,
+    /// Width of the flagged surroundings of the paths, in rings of vertices.
+    pub path_rings: u32,
+}
+
+/// How corrections are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Response {
+    /// Forces towards targets found by a radial basis function fit (Wicke, Lanker and Gross 2006).
+    #[default]
+    Rbf,
+    /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
+    Contour,
+    /// Flags only: no forces.
+    Mask,
+}
+
+/// Which of the two sides of a partitioning path is inside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InsideChoice {
+    /// The side with fewer vertices, as in the paper.
+    #[default]
+    Count,
+    /// The side with the smaller area.
+    Area,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            response: Response::default(),
+            inside: InsideChoice::default(),
+            stiffness_per_step2: 0.5,
+            max_step_edge_lengths: 0.2,
+            thickness_m: None,
+            min_centres: 5,
+            max_centres: 30,
+            path_rings: 2,
+        }
+    }
+}
+
+/// A setting that can't be used.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("setting `{name}` is {value}; it must be {expected}")]
+pub struct SettingsError {
+    /// Name of the setting.
+    pub name: &'static str,
+    /// The value at fault.
+    pub value: f64,
+    /// What was expected.
+    pub expected: &'static str,
+}
+
+impl Settings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with the first setting that can't be used.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let not_negative = |value: f64| value.is_finite() && value >= 0.0;
+        let check = |name, value: f64, good: bool, expected| {
+            if good { Ok(()) } else { Err(SettingsError { name, value, expected }) }
+        };
+        let k = self.stiffness_per_step2;
+        check("stiffness_per_step2", k, not_negative(k), "finite and not negative")?;
+        let step = self.max_step_edge_lengths;
+        check("max_step_edge_lengths", step, step >= 0.0, "a number that is not negative")?;
+        if let Some(thickness) = self.thickness_m {
+            check("thickness_m", thickness, not_negative(thickness), "finite and not negative")?;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "only for the message")]
+        let (fewest, most) = (self.min_centres as f64, self.max_centres as f64);
+        check("min_centres", fewest, self.min_centres >= 3, "at least 3")?;
+        check(
+            "max_centres",
+            most,
+            (self.min_centres..=1000).contains(&self.max_centres),
+            "between min_centres and 1000",
+        )?;
+        check("path_rings", f64::from(self.path_rings), self.path_rings <= 64, "at most 64")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_bad_values_are_named() {
+        assert_eq!(Settings::default().validate(), Ok(()));
+        let bad = Settings { stiffness_per_step2: f64::NAN, ..Settings::default() };
+        assert_eq!(bad.validate().unwrap_err().name, "stiffness_per_step2");
+        let bad = Settings { min_centres: 40, ..Settings::default() };
+        assert_eq!(bad.validate().unwrap_err().name, "max_centres");
+    }
+}

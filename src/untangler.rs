@@ -1,0 +1,70 @@
+//! The whole way of one frame over one mesh: analysis, then response.
+
+use std::sync::Arc;
+
+use crate::{
+    analysis::{Analyser, Analysis, StageObserver},
+    frame::Frame,
+    mesh::Mesh,
+    respond::{Corrections, Responder},
+    settings::{Settings, SettingsError},
+};
+
+/// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give the
+/// same answer, whatever came before.
+#[derive(Debug)]
+pub struct Untangler {
+    mesh: Arc<Mesh>,
+    settings: Settings,
+    analyser: Analyser,
+    responder: Responder,
+}
+
+/// What was found and what to do about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome<'a> {
+    /// The global intersection analysis.
+    pub analysis: &'a Analysis,
+    /// The corrections.
+    pub corrections: &'a Corrections,
+}
+
+impl Untangler {
+    /// An untangler for one mesh.
+    ///
+    /// # Errors
+    /// [`SettingsError`] for a setting that can't be used.
+    pub fn new(mesh: Arc<Mesh>, settings: Settings) -> Result<Self, SettingsError> {
+        settings.validate()?;
+        Ok(Self { mesh, settings, analyser: Analyser::default(), responder: Responder::default() })
+    }
+
+    /// The mesh.
+    #[must_use]
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// The settings in force.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the settings from the next frame on.
+    ///
+    /// # Errors
+    /// [`SettingsError`]; the old settings stay in force then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), SettingsError> {
+        settings.validate()?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Analyses one frame and computes its corrections.
+    pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
+        let analysis = self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
+        let corrections = self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
+        Outcome { analysis, corrections }
+    }
+}
