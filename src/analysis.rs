@@ -4,8 +4,8 @@ use crate::{
     frame::Frame,
     intersect::{Intersections, Intersector},
     mesh::Mesh,
-    paths::IntersectionPaths,
-    regions::InsideRegions,
+    paths::{IntersectionPaths, PathFinder},
+    regions::{InsideRegions, RegionFinder},
     settings::Settings,
 };
 
@@ -52,6 +52,8 @@ impl StageObserver for () {
 #[derive(Debug, Default)]
 pub struct Analyser {
     intersector: Intersector,
+    path_finder: PathFinder,
+    region_finder: RegionFinder,
     analysis: Analysis,
 }
 
@@ -66,11 +68,13 @@ impl Analyser {
         settings: &Settings,
         observer: &mut dyn StageObserver,
     ) -> &Analysis {
-        let _ = settings;
+        let Analysis { intersections, paths, regions } = &mut self.analysis;
         observer.begin(Stage::Intersect);
-        self.intersector.intersect(mesh, frame, &mut self.analysis.intersections);
+        self.intersector.intersect(mesh, frame, intersections);
         observer.begin(Stage::Paths);
+        self.path_finder.find(mesh, frame, intersections, paths);
         observer.begin(Stage::Regions);
+        self.region_finder.find(mesh, frame, paths, settings, regions);
         observer.end();
         &self.analysis
     }

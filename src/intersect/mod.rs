@@ -4,13 +4,15 @@
 //! do so along one [`Segment`], between two of these or between one and a vertex that the faces share, the *loop vertex*.
 
 mod broad;
+mod intersector;
+mod locate;
 mod narrow;
 
 use nalgebra::Point3;
 
 use crate::mesh::{EdgeId, FaceId, VertexId};
 
-pub use narrow::Intersector;
+pub use intersector::Intersector;
 
 /// A mesh edge that pierces a face it shares no vertex with (EF).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,12 +5,21 @@
 //! faces of a segment share a vertex, the *loop vertex*, both copies meet and a path folds back: path and corresponding path
 //! are then one. A [`PathPair`] is what is found, a [`PathCopy`] what is left after EIGHT, CROSS and BLLB are split.
 
+mod classify;
+mod cross;
+mod fan;
+mod trace;
+mod view;
+
 use std::ops::Range;
 
+use arrayvec::ArrayVec;
 use nalgebra::Point3;
 use serde::Serialize;
 
 use crate::mesh::{EdgeId, FaceId, VertexId};
+
+pub use classify::PathFinder;
 
 /// Type of a pair of corresponding paths, as found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -128,7 +137,8 @@ pub struct PathCopy {
     pub points: Range<usize>,
     /// Its segments in [`IntersectionPaths::segments`].
     pub segments: Range<usize>,
-    /// Index of the corresponding path in [`IntersectionPaths::copies`]; its own index for LL, BLI and BLB.
+    /// Index of the corresponding path in [`IntersectionPaths::copies`]; its own index for LL, BLI, BLB, and for a closed path that
+    /// returns on the other sheet (non-orientable cloth).
     pub partner: usize,
     /// Index of the pair in [`IntersectionPaths::pairs`].
     pub pair: usize,
@@ -171,9 +181,9 @@ pub struct PathPair {
     /// World length in metres.
     pub length_m: f64,
     /// Loop vertices, in the order met.
-    pub loop_vertices: Vec<VertexId>,
-    /// Its free ends, in the order met; none for a closed one.
-    pub ends: Vec<ChainEnd>,
+    pub loop_vertices: ArrayVec<VertexId, 2>,
+    /// Ends of its chain in the world, in the order met, or the free ends of its two chains (CROSS); none for a closed one.
+    pub ends: ArrayVec<ChainEnd, 2>,
     /// Its paths after splitting, in [`IntersectionPaths::copies`].
     pub copies: Range<usize>,
 }

@@ -1,8 +1,14 @@
 //! Inside regions: the part of the cloth that is on the wrong side of a path.
 
+mod disc;
+mod finder;
+mod flood;
+
 use std::ops::Range;
 
 use crate::mesh::VertexId;
+
+pub use finder::RegionFinder;
 
 /// The inside region of one path.
 #[derive(Clone, Debug, Default, PartialEq)]

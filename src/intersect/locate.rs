@@ -1,0 +1,34 @@
+//! Where an edge pierces a face: numbers, where the signs have already decided.
+
+use nalgebra::{Point3, Vector3};
+
+use super::{EdgeFaceIntersection, narrow::Crossing};
+use crate::{frame::Frame, mesh::Mesh};
+
+/// Computes the place of a crossing from its edge and face alone, so that every pair that shares it gets the same numbers.
+///
+/// All weights are ratios of volumes of equal sign, hence between 0 and 1 and free of scale; where a volume underflows to nothing
+/// at all, the middle stands in.
+pub(crate) fn locate(mesh: &Mesh, frame: &Frame, (edge, face): Crossing) -> EdgeFaceIntersection {
+    let [p, q] = mesh.edge(edge).map(|vertex| frame.position(vertex));
+    let corners = mesh.face(face).map(|vertex| frame.position(vertex));
+    let along: Vector3<f64> = q - p;
+    let [a, b, c] = corners.map(|corner| corner - p);
+
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+    let (from_p, from_q) = (normal.dot(&(corners[0] - p)).abs(), normal.dot(&(corners[0] - q)).abs());
+    let edge_parameter = ratio(from_p, from_p + from_q, 0.5);
+
+    let volumes = [along.dot(&b.cross(&c)).abs(), along.dot(&c.cross(&a)).abs(), along.dot(&a.cross(&b)).abs()];
+    let total = volumes[0] + volumes[1] + volumes[2];
+    let first = ratio(volumes[0], total, 1.0 / 3.0);
+    let second = ratio(volumes[1], total, 1.0 / 3.0).min(1.0 - first);
+    let barycentric = [first, second, (1.0 - first - second).max(0.0)];
+
+    let position: Point3<f64> = p + along * edge_parameter;
+    EdgeFaceIntersection { edge, face, edge_parameter, barycentric, position }
+}
+
+fn ratio(part: f64, whole: f64, otherwise: f64) -> f64 {
+    if whole > 0.0 && whole.is_finite() { (part / whole).clamp(0.0, 1.0) } else { otherwise }
+}

@@ -1,0 +1,204 @@
+//! From chains to path pairs: types, splits, and the paths as the later stages read them.
+
+use arrayvec::ArrayVec;
+
+use super::{
+    IntersectionPaths, PairType, PathCopy, PathPair, PathPoint, PathSegment, PathType,
+    cross::{Crosses, Join},
+    trace::Chains,
+    view::{ChainView, Ends},
+};
+use crate::{
+    frame::Frame,
+    intersect::Intersections,
+    mesh::{Mesh, VertexId},
+};
+
+/// Traces and classifies the paths of a frame, reusing its memory from frame to frame.
+#[derive(Debug, Default)]
+pub struct PathFinder {
+    chains: Chains,
+    crosses: Crosses,
+}
+
+impl PathFinder {
+    /// Finds the paths of a frame from its intersections.
+    ///
+    /// Cost: linear in the segments; where k chains meet in one loop vertex, O(k^4) for these.
+    pub fn find(&mut self, mesh: &Mesh, frame: &Frame, found: &Intersections, paths: &mut IntersectionPaths) {
+        self.chains.trace(found);
+        let view = ChainView { mesh, frame, found, chains: &self.chains };
+        self.crosses.join(&view);
+        paths.pairs.clear();
+        paths.copies.clear();
+        paths.points.clear();
+        paths.segments.clear();
+        let mut builder = Builder { view, paths };
+        for chain in 0..self.chains.chains.len() {
+            match self.crosses.of_chain(chain) {
+                Join::Alone => builder.add_chain(chain),
+                Join::First { partner } => builder.add_cross(chain, partner),
+                Join::Second => {}
+            }
+        }
+    }
+}
+
+/// One copy of one chain, walked in one direction.
+#[derive(Clone, Copy, Debug)]
+struct HalfPath {
+    chain: usize,
+    copy: usize,
+    reversed: bool,
+}
+
+/// The corresponding path of a copy.
+#[derive(Clone, Copy, Debug)]
+enum Partner {
+    Itself,
+    Next,
+    Previous,
+}
+
+struct Builder<'a> {
+    view: ChainView<'a>,
+    paths: &'a mut IntersectionPaths,
+}
+
+impl Builder<'_> {
+    /// A chain that is a pair by itself.
+    fn add_chain(&mut self, chain: usize) {
+        use {PairType as Pair, PathType as Path};
+        let there = |copy| HalfPath { chain, copy, reversed: false };
+        let back = |copy| HalfPath { chain, copy, reversed: true };
+        let first_copy = self.paths.copies.len();
+        let mut loop_vertices = ArrayVec::new();
+        let pair_type = match self.view.ends(chain) {
+            Ends::Closed if self.view.chain(chain).twisted => {
+                self.add_copy(Path::Closed, Partner::Itself, &[there(0), there(1)]);
+                Pair::Closed
+            }
+            Ends::Closed => {
+                self.add_two((Path::Closed, &[there(0)]), (Path::Closed, &[there(1)]));
+                Pair::Closed
+            }
+            Ends::LoopLoop(first, last) if first == last => {
+                loop_vertices.push(first);
+                self.add_two((Path::Closed, &[there(0)]), (Path::Closed, &[there(1)]));
+                Pair::Eight
+            }
+            Ends::LoopLoop(first, last) => {
+                loop_vertices.extend([first, last]);
+                self.add_copy(Path::LoopLoop, Partner::Itself, &[there(0), back(1)]);
+                Pair::LoopLoop
+            }
+            Ends::LoopBoundary { vertex, bounded } => {
+                loop_vertices.push(vertex);
+                let (bounded, free) = (bounded, 1 - bounded);
+                if self.view.mesh.is_boundary_vertex(vertex) {
+                    self.add_two((Path::BoundaryBoundary, &[there(bounded)]), (Path::BoundaryInside, &[there(free)]));
+                    Pair::BoundaryBoundaryBoundaryInside
+                } else {
+                    self.add_copy(Path::BoundaryLoopInside, Partner::Itself, &[back(bounded), there(free)]);
+                    Pair::BoundaryLoopInside
+                }
+            }
+            Ends::BoundaryBoundary([first, last]) if first == last => {
+                let (bounded, free) = (first, 1 - first);
+                self.add_two((Path::BoundaryBoundary, &[there(bounded)]), (Path::InsideInside, &[there(free)]));
+                Pair::BoundaryBoundaryInsideInside
+            }
+            Ends::BoundaryBoundary([first, last]) => {
+                self.add_two((Path::BoundaryInside, &[there(first)]), (Path::BoundaryInside, &[there(last)]));
+                Pair::BoundaryInside
+            }
+        };
+        let mut ends = ArrayVec::new();
+        if !self.view.chain(chain).closed {
+            ends.extend([self.view.end(chain, false), self.view.end(chain, true)]);
+        }
+        self.paths.pairs.push(PathPair {
+            pair_type,
+            closed: self.view.chain(chain).closed,
+            num_segments: self.view.num_segments(chain),
+            length_m: self.view.length_m(chain),
+            loop_vertices,
+            ends,
+            copies: first_copy..self.paths.copies.len(),
+        });
+    }
+
+    /// Two chains joined at their loop vertex: a BB path through the vertex and an II path.
+    fn add_cross(&mut self, first: usize, second: usize) {
+        let first_copy = self.paths.copies.len();
+        let (Some((vertex, a)), Some((_, b))) = (self.loop_end(first), self.loop_end(second)) else {
+            unreachable!("only chains from a loop vertex to the boundary are joined");
+        };
+        let through = |a: usize, b: usize| {
+            [HalfPath { chain: first, copy: a, reversed: true }, HalfPath { chain: second, copy: b, reversed: false }]
+        };
+        self.add_two((PathType::BoundaryBoundary, &through(a, b)), (PathType::InsideInside, &through(1 - a, 1 - b)));
+        self.paths.pairs.push(PathPair {
+            pair_type: PairType::Cross,
+            closed: false,
+            num_segments: self.view.num_segments(first) + self.view.num_segments(second),
+            length_m: self.view.length_m(first) + self.view.length_m(second),
+            loop_vertices: ArrayVec::from_iter([vertex]),
+            ends: ArrayVec::from([self.view.end(first, true), self.view.end(second, true)]),
+            copies: first_copy..self.paths.copies.len(),
+        });
+    }
+
+    fn loop_end(&self, chain: usize) -> Option<(VertexId, usize)> {
+        match self.view.ends(chain) {
+            Ends::LoopBoundary { vertex, bounded } => Some((vertex, bounded)),
+            _ => None,
+        }
+    }
+
+    fn add_two(&mut self, first: (PathType, &[HalfPath]), second: (PathType, &[HalfPath])) {
+        self.add_copy(first.0, Partner::Next, first.1);
+        self.add_copy(second.0, Partner::Previous, second.1);
+    }
+
+    /// Writes out one path after splitting, half after half.
+    fn add_copy(&mut self, path_type: PathType, partner: Partner, halves: &[HalfPath]) {
+        let (first_point, first_segment) = (self.paths.points.len(), self.paths.segments.len());
+        for (which, &half) in halves.iter().enumerate() {
+            let count = self.view.num_segments(half.chain);
+            // Where two halves meet, the point stands once.
+            for place in usize::from(which > 0)..=count {
+                let point = self.point(half, if half.reversed { count - place } else { place });
+                self.paths.points.push(point);
+            }
+            for step in 0..count {
+                let step = if half.reversed { count - 1 - step } else { step };
+                self.paths.segments.push(PathSegment {
+                    own: self.view.face(half.chain, half.copy, step),
+                    partner: self.view.face(half.chain, 1 - half.copy, step),
+                });
+            }
+        }
+        let index = self.paths.copies.len();
+        self.paths.copies.push(PathCopy {
+            path_type,
+            closed: matches!(path_type, PathType::Closed | PathType::LoopLoop),
+            points: first_point..self.paths.points.len(),
+            segments: first_segment..self.paths.segments.len(),
+            partner: match partner {
+                Partner::Itself => index,
+                Partner::Next => index + 1,
+                Partner::Previous => index - 1,
+            },
+            pair: self.paths.pairs.len(),
+        });
+    }
+
+    fn point(&self, HalfPath { chain, copy, .. }: HalfPath, place: usize) -> PathPoint {
+        PathPoint {
+            position: self.view.position(chain, place),
+            own: self.view.surface_point(chain, copy, place),
+            partner: self.view.surface_point(chain, 1 - copy, place),
+        }
+    }
+}

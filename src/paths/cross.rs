@@ -1,0 +1,121 @@
+//! CROSS: two chains from the boundary that meet in one loop vertex, joined to a path that passes through it.
+//!
+//! Each chain leaves the vertex along two half-paths on the cloth, `A`, which ends on the boundary, and `B`, which ends inside.
+//! Seen from above the vertex, joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws chords in the
+//! circle of half-paths. A reading of the paths is possible only if its chords do not cross.
+
+use super::{
+    fan::{chords_cross, direction, ordered_fan},
+    view::{ChainView, Ends},
+};
+use crate::mesh::{FaceId, VertexId};
+
+/// What becomes of a chain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Join {
+    /// It is a path pair by itself.
+    #[default]
+    Alone,
+    /// It is one half of a CROSS, together with a chain of a higher index.
+    First { partner: usize },
+    /// It is the other half of a CROSS.
+    Second,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Crosses {
+    joins: Vec<Join>,
+    /// Chains that may be joined, by their loop vertex.
+    candidates: Vec<(VertexId, usize)>,
+    fan: Vec<(FaceId, VertexId)>,
+    half_paths: Vec<HalfPath>,
+}
+
+/// A half-path at a vertex, sorted round it.
+#[derive(Clone, Copy, Debug)]
+struct HalfPath {
+    rank: usize,
+    fraction: f64,
+    chain: usize,
+    bounded: bool,
+}
+
+impl Crosses {
+    /// Decides for all chains.
+    pub(crate) fn join(&mut self, view: &ChainView<'_>) {
+        let num_chains = view.chains.chains.len();
+        self.joins.clear();
+        self.joins.resize(num_chains, Join::Alone);
+        self.candidates.clear();
+        for chain in 0..num_chains {
+            if let Ends::LoopBoundary { vertex, .. } = view.ends(chain)
+                && !view.mesh.is_boundary_vertex(vertex)
+            {
+                self.candidates.push((vertex, chain));
+            }
+        }
+        self.candidates.sort_unstable();
+        let mut rest = std::mem::take(&mut self.candidates);
+        for group in rest.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            self.join_at(view, group[0].0, group);
+        }
+        rest.clear();
+        self.candidates = rest;
+    }
+
+    /// What becomes of one chain.
+    pub(crate) fn of_chain(&self, chain: usize) -> Join {
+        self.joins[chain]
+    }
+
+    fn join_at(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) {
+        if !ordered_fan(view.mesh, vertex, &mut self.fan) || !self.sort_half_paths(view, vertex, group) {
+            return;
+        }
+        for (i, &(_, first)) in group.iter().enumerate() {
+            for &(_, second) in &group[i + 1..] {
+                let both_free = self.joins[first] == Join::Alone && self.joins[second] == Join::Alone;
+                if both_free && self.is_planar(group, (first, second)) {
+                    self.joins[first] = Join::First { partner: second };
+                    self.joins[second] = Join::Second;
+                }
+            }
+        }
+    }
+
+    /// Puts the half-paths of a group in their order round the vertex; false if one does not lie in its fan.
+    fn sort_half_paths(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) -> bool {
+        self.half_paths.clear();
+        for &(_, chain) in group {
+            let Ends::LoopBoundary { bounded, .. } = view.ends(chain) else { return false };
+            for copy in [bounded, 1 - bounded] {
+                let towards = view.surface_point(chain, copy, 1);
+                let face = view.face(chain, copy, 0);
+                let Some((rank, fraction)) = direction(view.mesh, vertex, &self.fan, face, towards) else {
+                    return false;
+                };
+                self.half_paths.push(HalfPath { rank, fraction, chain, bounded: copy == bounded });
+            }
+        }
+        self.half_paths.sort_by(|a, b| a.rank.cmp(&b.rank).then(a.fraction.total_cmp(&b.fraction)));
+        true
+    }
+
+    /// Whether the chords of all chains of the group, with this pair joined too, do not cross.
+    fn is_planar(&self, group: &[(VertexId, usize)], pair: (usize, usize)) -> bool {
+        let place = |chain: usize, bounded: bool| {
+            let here = |half: &HalfPath| half.chain == chain && half.bounded == bounded;
+            self.half_paths.iter().position(here).unwrap_or_default()
+        };
+        let joined = |a: usize, b: usize| [[place(a, true), place(b, true)], [place(a, false), place(b, false)]];
+        let mut chords: Vec<[usize; 2]> = joined(pair.0, pair.1).to_vec();
+        for &(_, chain) in group.iter().filter(|&&(_, chain)| chain != pair.0 && chain != pair.1) {
+            match self.joins[chain] {
+                Join::Alone => chords.push([place(chain, true), place(chain, false)]),
+                Join::First { partner } => chords.extend(joined(chain, partner)),
+                Join::Second => {}
+            }
+        }
+        chords.iter().enumerate().all(|(i, &a)| chords[i + 1..].iter().all(|&b| !chords_cross(a, b)))
+    }
+}

@@ -1,0 +1,97 @@
+//! The order of half-paths round a loop vertex: which BLI belong together as a CROSS.
+
+use super::SurfacePoint;
+use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
+
+/// The faces round a vertex in order, each with the corner that it is entered by; nothing where they are not one fan.
+pub(crate) fn ordered_fan(mesh: &Mesh, vertex: VertexId, fan: &mut Vec<(FaceId, VertexId)>) -> bool {
+    fan.clear();
+    let spokes = mesh.vertex_edges(vertex);
+    let Some(first) = spokes.iter().copied().find(|&edge| mesh.is_boundary_edge(edge)).or(spokes.first().copied())
+    else {
+        return false;
+    };
+    let mut spoke: EdgeId = first;
+    let mut previous = None;
+    loop {
+        let faces = mesh.edge_faces(spoke);
+        if faces.len() > 2 {
+            return false;
+        }
+        let Some(&face) = faces.iter().find(|&&face| Some(face) != previous) else { break };
+        fan.push((face, mesh.opposite_vertex(spoke, vertex)));
+        let edges = mesh.face_edges(face).unwrap_or_default();
+        let Some(&next) = edges.iter().find(|&&edge| edge != spoke && mesh.edge(edge).contains(&vertex)) else {
+            return false;
+        };
+        if next == first {
+            break;
+        }
+        (spoke, previous) = (next, Some(face));
+    }
+    fan.len() == mesh.vertex_faces(vertex).len()
+}
+
+/// Where a half-path leaves the vertex: the place of its face in the fan and the part of the way across this face.
+///
+/// `towards` is the first point of the half-path after the vertex; it lies in `face`.
+pub(crate) fn direction(
+    mesh: &Mesh,
+    vertex: VertexId,
+    fan: &[(FaceId, VertexId)],
+    face: FaceId,
+    towards: SurfacePoint,
+) -> Option<(usize, f64)> {
+    let rank = fan.iter().position(|&(fan_face, _)| fan_face == face)?;
+    let entered = fan[rank].1;
+    let left = mesh.face(face).into_iter().find(|&corner| corner != vertex && corner != entered)?;
+    let (a, b) = (weight(mesh, towards, entered), weight(mesh, towards, left));
+    Some((rank, if a + b > 0.0 { b / (a + b) } else { 0.5 }))
+}
+
+/// The barycentric weight of a vertex at a point.
+fn weight(mesh: &Mesh, point: SurfacePoint, vertex: VertexId) -> f64 {
+    match point {
+        SurfacePoint::Vertex(here) => f64::from(u8::from(here == vertex)),
+        SurfacePoint::Edge { edge, parameter } => match mesh.edge(edge) {
+            [a, _] if a == vertex => 1.0 - parameter,
+            [_, b] if b == vertex => parameter,
+            _ => 0.0,
+        },
+        SurfacePoint::Face { face, barycentric } => {
+            let corner = mesh.face(face).into_iter().position(|corner| corner == vertex);
+            corner.map_or(0.0, |corner| barycentric[corner])
+        }
+    }
+}
+
+/// Whether two chords of a circle cross, given the places of their ends along it; all four differ.
+pub(crate) fn chords_cross([a, b]: [usize; 2], [c, d]: [usize; 2]) -> bool {
+    let between = |x: usize| a.min(b) < x && x < a.max(b);
+    between(c) != between(d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords() {
+        assert!(chords_cross([0, 2], [1, 3]));
+        assert!(!chords_cross([0, 1], [2, 3]));
+        assert!(!chords_cross([0, 3], [2, 1]));
+    }
+
+    #[test]
+    fn a_fan_is_walked_from_its_boundary() {
+        let faces = vec![[0, 1, 2], [0, 3, 4], [3, 0, 2]];
+        let description = crate::mesh::MeshDescription { num_vertices: 5, faces, ..Default::default() };
+        let mesh = Mesh::new(description).unwrap();
+        let mut fan = Vec::new();
+        assert!(ordered_fan(&mesh, VertexId(0), &mut fan));
+        assert_eq!(fan.iter().map(|(face, _)| face.0).collect::<Vec<_>>(), [0, 2, 1]);
+        let towards = SurfacePoint::Face { face: FaceId(2), barycentric: [0.75, 0.0, 0.25] };
+        // Entered along 0-2, left along 0-3.
+        assert_eq!(direction(&mesh, VertexId(0), &fan, FaceId(2), towards), Some((1, 0.75)));
+    }
+}

@@ -1,0 +1,127 @@
+//! Chains together with what they refer to: where each copy runs and how it ends.
+
+use nalgebra::Point3;
+
+use super::{
+    ChainEnd, SurfacePoint,
+    trace::{Chain, Chains},
+};
+use crate::{
+    frame::Frame,
+    intersect::{EdgeFaceIntersection, Intersections, SegmentEnd},
+    mesh::{FaceId, Mesh, VertexId},
+};
+
+/// How a chain ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// Not at all.
+    Closed,
+    /// In two loop vertices, or twice in one.
+    LoopLoop(VertexId, VertexId),
+    /// From a loop vertex to an end where copy `bounded` ends on the boundary.
+    LoopBoundary { vertex: VertexId, bounded: usize },
+    /// The copies that end on the boundary at the first and at the last node.
+    BoundaryBoundary([usize; 2]),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChainView<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) frame: &'a Frame,
+    pub(crate) found: &'a Intersections,
+    pub(crate) chains: &'a Chains,
+}
+
+impl ChainView<'_> {
+    pub(crate) fn chain(&self, chain: usize) -> &Chain {
+        &self.chains.chains[chain]
+    }
+
+    pub(crate) fn num_segments(&self, chain: usize) -> usize {
+        self.chain(chain).steps.len()
+    }
+
+    /// The face that a copy runs through in a step.
+    pub(crate) fn face(&self, chain: usize, copy: usize, step: usize) -> FaceId {
+        self.chains.steps[self.chain(chain).steps.start + step].faces[copy]
+    }
+
+    /// Chains with a loop vertex start at one: see [`Chains::trace`].
+    pub(crate) fn ends(&self, chain: usize) -> Ends {
+        if self.chain(chain).closed {
+            return Ends::Closed;
+        }
+        let last = self.num_segments(chain);
+        match (self.node(chain, 0), self.node(chain, last)) {
+            (SegmentEnd::LoopVertex(first), SegmentEnd::LoopVertex(last)) => Ends::LoopLoop(first, last),
+            (SegmentEnd::LoopVertex(vertex), SegmentEnd::EdgeFace(_)) => {
+                Ends::LoopBoundary { vertex, bounded: self.bounded_copy(chain, last) }
+            }
+            _ => Ends::BoundaryBoundary([self.bounded_copy(chain, 0), self.bounded_copy(chain, last)]),
+        }
+    }
+
+    /// Where a copy touches the cloth at a node: the copy that runs through the pierced face is inside of it, the other one
+    /// on the edge.
+    pub(crate) fn surface_point(&self, chain: usize, copy: usize, place: usize) -> SurfacePoint {
+        match self.node(chain, place) {
+            SegmentEnd::LoopVertex(vertex) => SurfacePoint::Vertex(vertex),
+            SegmentEnd::EdgeFace(index) => {
+                let crossing = self.crossing(index);
+                let step = place.min(self.num_segments(chain) - 1);
+                if self.face(chain, copy, step) == crossing.face {
+                    SurfacePoint::Face { face: crossing.face, barycentric: crossing.barycentric }
+                } else {
+                    SurfacePoint::Edge { edge: crossing.edge, parameter: crossing.edge_parameter }
+                }
+            }
+        }
+    }
+
+    /// World position of a node.
+    pub(crate) fn position(&self, chain: usize, place: usize) -> Point3<f64> {
+        match self.node(chain, place) {
+            SegmentEnd::LoopVertex(vertex) => self.frame.position(vertex),
+            SegmentEnd::EdgeFace(index) => self.crossing(index).position,
+        }
+    }
+
+    /// World length in metres.
+    pub(crate) fn length_m(&self, chain: usize) -> f64 {
+        (0..self.num_segments(chain))
+            .map(|step| (self.position(chain, step + 1) - self.position(chain, step)).norm())
+            .sum()
+    }
+
+    /// The first or the last end of an open chain, for a reader.
+    pub(crate) fn end(&self, chain: usize, last: bool) -> ChainEnd {
+        let place = if last { self.num_segments(chain) } else { 0 };
+        match self.node(chain, place) {
+            SegmentEnd::LoopVertex(vertex) => ChainEnd::Loop { vertex: vertex.0 },
+            SegmentEnd::EdgeFace(index) => {
+                let crossing = self.crossing(index);
+                let edge = self.mesh.edge(crossing.edge).map(|vertex| vertex.0);
+                let face = crossing.face.0;
+                if self.mesh.is_boundary_edge(crossing.edge) {
+                    ChainEnd::Boundary { edge, face }
+                } else {
+                    ChainEnd::Junction { edge, face }
+                }
+            }
+        }
+    }
+
+    fn node(&self, chain: usize, place: usize) -> SegmentEnd {
+        self.chains.nodes[self.chain(chain).nodes.start + place]
+    }
+
+    fn crossing(&self, index: u32) -> &EdgeFaceIntersection {
+        &self.found.edge_face[index as usize]
+    }
+
+    /// The copy that ends on the boundary (or at the junction): the one that owns the edge.
+    fn bounded_copy(&self, chain: usize, place: usize) -> usize {
+        usize::from(!matches!(self.surface_point(chain, 0, place), SurfacePoint::Edge { .. }))
+    }
+}

@@ -1,0 +1,233 @@
+//! Parallel flood fill: colours the vertices on both sides of a path at once and stops as soon as the smaller side is done.
+//!
+//! Two vertices joined by an edge that the path crosses an odd number of times lie on different sides, all other neighbours on
+//! the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has been seen; then that side is
+//! closed, every crossed edge has exactly one end in it, and no odd cycle can exist anywhere: the path separates, although most of the larger side
+//! was never visited. The cost grows with the smaller side.
+
+use std::collections::VecDeque;
+
+use crate::mesh::{EdgeId, Mesh, VertexId};
+
+/// What a fill found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Separation {
+    /// The path does not divide the vertices in two.
+    None,
+    /// It does; the smaller side is complete in [`Flood::smaller`].
+    Two,
+}
+
+/// Memory of the fill; nothing is cleared between fills, a new epoch makes old marks void.
+#[derive(Debug, Default)]
+pub(crate) struct Flood {
+    epoch: u32,
+    /// Epoch and side of the last colouring of each vertex.
+    colour: Vec<(u32, u8)>,
+    /// Epoch in which each edge was last crossed, and whether the fill has seen it.
+    crossed: Vec<(u32, bool)>,
+    /// Epoch in which each vertex was last taken out.
+    removed: Vec<u32>,
+    queues: [VecDeque<VertexId>; 2],
+    sides: [Vec<VertexId>; 2],
+    smaller: usize,
+    odd_edges: Vec<EdgeId>,
+}
+
+impl Flood {
+    /// Starts a fill: forgets crossed edges and removed vertices.
+    pub(crate) fn begin(&mut self, mesh: &Mesh) {
+        self.colour.resize(mesh.num_vertices(), (0, 0));
+        self.removed.resize(mesh.num_vertices(), 0);
+        self.crossed.resize(mesh.num_edges(), (0, false));
+        self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
+            self.colour.fill((0, 0));
+            self.removed.fill(0);
+            self.crossed.fill((0, false));
+            1
+        });
+        self.odd_edges.clear();
+    }
+
+    /// The path crosses this edge once more.
+    pub(crate) fn cross(&mut self, edge: EdgeId) {
+        let slot = &mut self.crossed[edge.index()];
+        if slot.0 == self.epoch {
+            slot.0 = 0;
+        } else {
+            *slot = (self.epoch, false);
+            self.odd_edges.push(edge);
+        }
+    }
+
+    /// Takes a vertex out, with all its edges.
+    pub(crate) fn remove(&mut self, vertex: VertexId) {
+        self.removed[vertex.index()] = self.epoch;
+    }
+
+    fn is_crossed(&self, edge: EdgeId) -> bool {
+        self.crossed[edge.index()].0 == self.epoch
+    }
+
+    /// Fills both sides, restricted to vertices for which `allowed` holds; `weight` says how much a vertex counts.
+    pub(crate) fn fill(
+        &mut self,
+        mesh: &Mesh,
+        allowed: impl Fn(VertexId) -> bool,
+        weight: impl Fn(VertexId) -> f64,
+    ) -> Separation {
+        for side in 0..2 {
+            self.queues[side].clear();
+            self.sides[side].clear();
+        }
+        self.smaller = 0;
+        let removed = std::mem::take(&mut self.removed);
+        let epoch = self.epoch;
+        let open = |vertex: VertexId| removed[vertex.index()] != epoch && allowed(vertex);
+        let separation = self.fill_open(mesh, &open, &weight);
+        self.removed = removed;
+        separation
+    }
+
+    fn fill_open(
+        &mut self,
+        mesh: &Mesh,
+        open: &impl Fn(VertexId) -> bool,
+        weight: &impl Fn(VertexId) -> f64,
+    ) -> Separation {
+        // An edge crossed an even number of times was pushed once for each odd count on the way.
+        self.odd_edges.sort_unstable();
+        self.odd_edges.dedup();
+        let (epoch, crossed) = (self.epoch, &self.crossed);
+        self.odd_edges.retain(|edge| crossed[edge.index()].0 == epoch && mesh.edge(*edge).into_iter().all(open));
+        let Some(&seed) = self.odd_edges.first() else {
+            // Nothing to tell apart: a region without vertices.
+            return Separation::Two;
+        };
+        let mut unseen = self.odd_edges.len();
+        let mut weights = [0.0; 2];
+        for (side, vertex) in mesh.edge(seed).into_iter().enumerate() {
+            self.push(side, vertex);
+            weights[side] += weight(vertex);
+        }
+        loop {
+            let exhausted = [0, 1].map(|side: usize| self.queues[side].is_empty());
+            let done = |side: usize| exhausted[side] && (exhausted[1 - side] || weights[1 - side] > weights[side]);
+            if unseen == 0 && (done(0) || done(1)) {
+                break;
+            }
+            if exhausted == [true; 2] {
+                // Parts of the path that no way inside the allowed vertices connects.
+                return Separation::None;
+            }
+            let side = if exhausted[0] || (!exhausted[1] && weights[1] < weights[0]) { 1 } else { 0 };
+            let Some(vertex) = self.queues[side].pop_front() else { unreachable!("not both are exhausted") };
+            for &edge in mesh.vertex_edges(vertex) {
+                let neighbour = mesh.opposite_vertex(edge, vertex);
+                if !open(neighbour) {
+                    continue;
+                }
+                let across = self.is_crossed(edge);
+                if across && !std::mem::replace(&mut self.crossed[edge.index()].1, true) {
+                    unseen -= 1;
+                }
+                let wanted = if across { 1 - side } else { side };
+                match self.side_of(neighbour) {
+                    Some(found) if found != wanted => return Separation::None,
+                    Some(_) => {}
+                    None => {
+                        self.push(wanted, neighbour);
+                        weights[wanted] += weight(neighbour);
+                    }
+                }
+            }
+        }
+        self.smaller = self.choose_smaller(weights);
+        self.sides[self.smaller].sort_unstable();
+        Separation::Two
+    }
+
+    fn choose_smaller(&self, weights: [f64; 2]) -> usize {
+        let lowest = |side: usize| self.sides[side].iter().min();
+        // Equal sides: the one with the lowest vertex, whatever the seed was.
+        usize::from(
+            weights[1] < weights[0] || (weights[0] <= weights[1] && weights[1] <= weights[0] && lowest(1) < lowest(0)),
+        )
+    }
+
+    fn push(&mut self, side: usize, vertex: VertexId) {
+        self.colour[vertex.index()] = (self.epoch, u8::from(side == 1));
+        self.queues[side].push_back(vertex);
+        self.sides[side].push(vertex);
+    }
+
+    fn side_of(&self, vertex: VertexId) -> Option<usize> {
+        let (epoch, side) = self.colour[vertex.index()];
+        (epoch == self.epoch).then_some(usize::from(side))
+    }
+
+    /// The smaller side of the last fill that separated, ascending.
+    pub(crate) fn smaller(&self) -> &[VertexId] {
+        &self.sides[self.smaller]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshDescription;
+
+    /// A strip of `n` quads, two vertices a column.
+    fn strip(n: u32) -> Mesh {
+        let faces = (0..n).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 2], [2 * i + 2, 2 * i + 1, 2 * i + 3]]).collect();
+        Mesh::new(MeshDescription { num_vertices: 2 * n as usize + 2, faces, ..Default::default() }).unwrap()
+    }
+
+    fn edge(mesh: &Mesh, a: u32, b: u32) -> EdgeId {
+        mesh.edge_between(VertexId(a), VertexId(b)).unwrap()
+    }
+
+    #[test]
+    fn the_smaller_side_of_a_cut_strip() {
+        let mesh = strip(50);
+        let mut flood = Flood::default();
+        flood.begin(&mesh);
+        for (a, b) in [(4, 6), (5, 6), (5, 7)] {
+            flood.cross(edge(&mesh, a, b));
+        }
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert_eq!(flood.smaller(), [0, 1, 2, 3, 4, 5].map(VertexId));
+        // The larger side was left alone.
+        assert!(flood.sides[1 - flood.smaller].len() < 16);
+    }
+
+    #[test]
+    fn an_edge_crossed_twice_is_not_crossed() {
+        let mesh = strip(4);
+        let mut flood = Flood::default();
+        flood.begin(&mesh);
+        for _ in 0..2 {
+            flood.cross(edge(&mesh, 4, 6));
+        }
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert!(flood.smaller().is_empty());
+        flood.begin(&mesh);
+        for _ in 0..3 {
+            flood.cross(edge(&mesh, 4, 6));
+        }
+        // One edge alone does not separate.
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::None);
+    }
+
+    #[test]
+    fn removed_vertices_do_not_carry_colour() {
+        let mesh = strip(4);
+        let mut flood = Flood::default();
+        flood.begin(&mesh);
+        flood.remove(VertexId(4));
+        flood.cross(edge(&mesh, 5, 7));
+        flood.cross(edge(&mesh, 5, 6));
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert_eq!(flood.smaller(), [6, 7, 8, 9].map(VertexId));
+    }
+}
