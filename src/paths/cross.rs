@@ -56,7 +56,9 @@ impl Crosses {
         }
         self.candidates.sort_unstable();
         let mut rest = std::mem::take(&mut self.candidates);
-        for group in rest.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+        for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change.
+            group.sort_by(|a, b| view.length_m(a.1).total_cmp(&view.length_m(b.1)));
             self.join_at(view, group[0].0, group);
         }
         rest.clear();
@@ -76,8 +78,9 @@ impl Crosses {
             for &(_, second) in &group[i + 1..] {
                 let both_free = self.joins[first] == Join::Alone && self.joins[second] == Join::Alone;
                 if both_free && self.is_planar(group, (first, second)) {
-                    self.joins[first] = Join::First { partner: second };
-                    self.joins[second] = Join::Second;
+                    let (lower, higher) = (first.min(second), first.max(second));
+                    self.joins[lower] = Join::First { partner: higher };
+                    self.joins[higher] = Join::Second;
                 }
             }
         }

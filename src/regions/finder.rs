@@ -150,9 +150,10 @@ fn fill(
     settings: &Settings,
     allowed: impl Fn(VertexId) -> bool,
 ) -> Separation {
+    let area = |vertex| vertex_area(mesh, frame, vertex);
     match settings.inside {
-        InsideChoice::Count => flood.fill(mesh, allowed, |_| 1.0),
-        InsideChoice::Area => flood.fill(mesh, allowed, |vertex| vertex_area(mesh, frame, vertex)),
+        InsideChoice::Count => flood.fill(mesh, allowed, |_| 1.0, area),
+        InsideChoice::Area => flood.fill(mesh, allowed, area, |_| 1.0),
     }
 }
 

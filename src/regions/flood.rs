@@ -69,12 +69,14 @@ impl Flood {
         self.crossed[edge.index()].0 == self.epoch
     }
 
-    /// Fills both sides, restricted to vertices for which `allowed` holds; `weight` says how much a vertex counts.
+    /// Fills both sides, restricted to vertices for which `allowed` holds. The smaller side has less `weight`; where both weigh
+    /// exactly the same, less `tie_weight`.
     pub(crate) fn fill(
         &mut self,
         mesh: &Mesh,
         allowed: impl Fn(VertexId) -> bool,
         weight: impl Fn(VertexId) -> f64,
+        tie_weight: impl Fn(VertexId) -> f64,
     ) -> Separation {
         for side in 0..2 {
             self.queues[side].clear();
@@ -86,6 +88,10 @@ impl Flood {
         let open = |vertex: VertexId| removed[vertex.index()] != epoch && allowed(vertex);
         let separation = self.fill_open(mesh, &open, &weight);
         self.removed = removed;
+        if separation == Separation::Two {
+            self.smaller = self.choose_smaller(&weight, &tie_weight);
+            self.sides[self.smaller].sort_unstable();
+        }
         separation
     }
 
@@ -142,17 +148,18 @@ impl Flood {
                 }
             }
         }
-        self.smaller = self.choose_smaller(weights);
-        self.sides[self.smaller].sort_unstable();
         Separation::Two
     }
 
-    fn choose_smaller(&self, weights: [f64; 2]) -> usize {
+    fn choose_smaller(&self, weight: &impl Fn(VertexId) -> f64, tie_weight: &impl Fn(VertexId) -> f64) -> usize {
+        let total = |side: usize, weight: &dyn Fn(VertexId) -> f64| -> f64 {
+            self.sides[side].iter().map(|&vertex| weight(vertex)).sum()
+        };
         let lowest = |side: usize| self.sides[side].iter().min();
-        // Equal sides: the one with the lowest vertex, whatever the seed was.
-        usize::from(
-            weights[1] < weights[0] || (weights[0] <= weights[1] && weights[1] <= weights[0] && lowest(1) < lowest(0)),
-        )
+        let order = total(0, weight).total_cmp(&total(1, weight));
+        // The fill ran to the end of both sides if they weigh the same.
+        let order = order.then_with(|| total(0, tie_weight).total_cmp(&total(1, tie_weight)));
+        usize::from(order.then_with(|| lowest(0).cmp(&lowest(1))).is_gt())
     }
 
     fn push(&mut self, side: usize, vertex: VertexId) {
@@ -195,7 +202,7 @@ mod tests {
         for (a, b) in [(4, 6), (5, 6), (5, 7)] {
             flood.cross(edge(&mesh, a, b));
         }
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert_eq!(flood.smaller(), [0, 1, 2, 3, 4, 5].map(VertexId));
         // The larger side was left alone.
         assert!(flood.sides[1 - flood.smaller].len() < 16);
@@ -209,14 +216,14 @@ mod tests {
         for _ in 0..2 {
             flood.cross(edge(&mesh, 4, 6));
         }
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert!(flood.smaller().is_empty());
         flood.begin(&mesh);
         for _ in 0..3 {
             flood.cross(edge(&mesh, 4, 6));
         }
         // One edge alone does not separate.
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::None);
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::None);
     }
 
     #[test]
@@ -227,7 +234,7 @@ mod tests {
         flood.remove(VertexId(4));
         flood.cross(edge(&mesh, 5, 7));
         flood.cross(edge(&mesh, 5, 6));
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert_eq!(flood.smaller(), [6, 7, 8, 9].map(VertexId));
     }
 }
