@@ -64,6 +64,15 @@ pub fn side_of_plane(a: Site, b: Site, c: Site, d: Site) -> Side {
     }
 }
 
+/// Whether four points lie exactly in one plane *before* any perturbation: for labels and reports, never for topology.
+#[must_use]
+pub fn are_coplanar(points: [[f64; 3]; 4]) -> bool {
+    let [a, b, c, d] = points.map(|position| coord3(Site { position, index: 0 }));
+    let volume = robust::orient3d(a, b, c, d);
+    // Exact, so that zero means zero.
+    !(volume > 0.0 || volume < 0.0)
+}
+
 /// The answer where the determinant itself is exactly zero.
 fn perturbed_side(mut sites: [Site; 4]) -> Side {
     let odd = sort_by_index(&mut sites);

@@ -6,7 +6,7 @@ use super::{
     IntersectionPaths, PairType, PathCopy, PathPair, PathPoint, PathSegment, PathType,
     cross::{Crosses, Join},
     trace::Chains,
-    view::{ChainView, Ends},
+    view::{BoundaryEnd, ChainView, Ends},
 };
 use crate::{
     frame::Frame,
@@ -37,7 +37,8 @@ impl PathFinder {
         for chain in 0..self.chains.chains.len() {
             match self.crosses.of_chain(chain) {
                 Join::Alone => builder.add_chain(chain),
-                Join::First { partner } => builder.add_cross(chain, partner),
+                Join::Cross { partner } => builder.add_cross(chain, partner),
+                Join::Touching { partner } => builder.add_touching(chain, partner),
                 Join::Second => {}
             }
         }
@@ -92,25 +93,26 @@ impl Builder<'_> {
                 self.add_copy(Path::LoopLoop, Partner::Itself, &[there(0), back(1)]);
                 Pair::LoopLoop
             }
-            Ends::LoopBoundary { vertex, bounded } => {
+            Ends::LoopBoundary(vertex, end) => {
                 loop_vertices.push(vertex);
-                let (bounded, free) = (bounded, 1 - bounded);
-                if self.view.mesh.is_boundary_vertex(vertex) {
-                    self.add_two((Path::BoundaryBoundary, &[there(bounded)]), (Path::BoundaryInside, &[there(free)]));
-                    Pair::BoundaryBoundaryBoundaryInside
-                } else {
-                    self.add_copy(Path::BoundaryLoopInside, Partner::Itself, &[back(bounded), there(free)]);
-                    Pair::BoundaryLoopInside
-                }
-            }
-            Ends::BoundaryBoundary([first, last]) if first == last => {
-                let (bounded, free) = (first, 1 - first);
-                self.add_two((Path::BoundaryBoundary, &[there(bounded)]), (Path::InsideInside, &[there(free)]));
-                Pair::BoundaryBoundaryInsideInside
+                self.add_folded(chain, vertex, end)
             }
             Ends::BoundaryBoundary([first, last]) => {
-                self.add_two((Path::BoundaryInside, &[there(first)]), (Path::BoundaryInside, &[there(last)]));
-                Pair::BoundaryInside
+                let bounded = |copy| [first, last].iter().filter(|end| end.ends_on_boundary(copy)).count();
+                let numbers = [bounded(0), bounded(1)];
+                let more = usize::from(numbers[1] > numbers[0]);
+                let types = [more, 1 - more].map(|copy| match numbers[copy] {
+                    0 => Path::InsideInside,
+                    1 => Path::BoundaryInside,
+                    _ => Path::BoundaryBoundary,
+                });
+                self.add_two((types[0], &[there(more)]), (types[1], &[there(1 - more)]));
+                match types {
+                    [Path::BoundaryBoundary, Path::BoundaryBoundary] => Pair::BoundaryBoundaryBoundaryBoundary,
+                    [Path::BoundaryBoundary, Path::BoundaryInside] => Pair::BoundaryBoundaryBoundaryInside,
+                    [Path::BoundaryBoundary, _] => Pair::BoundaryBoundaryInsideInside,
+                    _ => Pair::BoundaryInside,
+                }
             }
         };
         let mut ends = ArrayVec::new();
@@ -124,6 +126,47 @@ impl Builder<'_> {
             length_m: self.view.length_m(chain),
             loop_vertices,
             ends,
+            copies: first_copy..self.paths.copies.len(),
+        });
+    }
+
+    /// A chain from a loop vertex to the boundary: one path that is folded there, or two that end in a vertex of the boundary.
+    fn add_folded(&mut self, chain: usize, vertex: VertexId, end: BoundaryEnd) -> PairType {
+        let half = |copy, reversed| HalfPath { chain, copy, reversed };
+        let (bounded, free) = (end.bounded, 1 - end.bounded);
+        if self.view.mesh.is_boundary_vertex(vertex) {
+            let free_type = if end.contact.is_some() { PathType::BoundaryBoundary } else { PathType::BoundaryInside };
+            self.add_two((PathType::BoundaryBoundary, &[half(bounded, false)]), (free_type, &[half(free, false)]));
+            return match free_type {
+                PathType::BoundaryBoundary => PairType::BoundaryBoundaryBoundaryBoundary,
+                _ => PairType::BoundaryBoundaryBoundaryInside,
+            };
+        }
+        let (path_type, pair_type) = match end.contact {
+            Some(_) => (PathType::BoundaryLoopBoundary, PairType::BoundaryLoopBoundary),
+            None => (PathType::BoundaryLoopInside, PairType::BoundaryLoopInside),
+        };
+        self.add_copy(path_type, Partner::Itself, &[half(bounded, true), half(free, false)]);
+        pair_type
+    }
+
+    /// Two chains from different loop vertices whose ends on the boundary touch: two BLB paths.
+    fn add_touching(&mut self, first: usize, second: usize) {
+        let first_copy = self.paths.copies.len();
+        let mut loop_vertices = ArrayVec::new();
+        for chain in [first, second] {
+            if let Ends::LoopBoundary(vertex, end) = self.view.ends(chain) {
+                loop_vertices.push(vertex);
+                self.add_folded(chain, vertex, end);
+            }
+        }
+        self.paths.pairs.push(PathPair {
+            pair_type: PairType::BoundaryLoopLoopBoundary,
+            closed: false,
+            num_segments: self.view.num_segments(first) + self.view.num_segments(second),
+            length_m: self.view.length_m(first) + self.view.length_m(second),
+            loop_vertices,
+            ends: ArrayVec::from([self.view.end(first, true), self.view.end(second, true)]),
             copies: first_copy..self.paths.copies.len(),
         });
     }
@@ -151,7 +194,7 @@ impl Builder<'_> {
 
     fn loop_end(&self, chain: usize) -> Option<(VertexId, usize)> {
         match self.view.ends(chain) {
-            Ends::LoopBoundary { vertex, bounded } => Some((vertex, bounded)),
+            Ends::LoopBoundary(vertex, end) => Some((vertex, end.bounded)),
             _ => None,
         }
     }

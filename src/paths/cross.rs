@@ -3,10 +3,13 @@
 //! Each chain leaves the vertex along two half-paths on the cloth, `A`, which ends on the boundary, and `B`, which ends inside.
 //! Seen from above the vertex, joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws chords in the
 //! circle of half-paths. A reading of the paths is possible only if its chords do not cross.
+//!
+//! BLLB: two chains from different loop vertices whose ends on the boundary are the same exact contact.
 
 use super::{
+    contact::Contact,
     fan::{chords_cross, direction, ordered_fan},
-    view::{ChainView, Ends},
+    view::{BoundaryEnd, ChainView, Ends},
 };
 use crate::mesh::{FaceId, VertexId};
 
@@ -17,8 +20,10 @@ pub(crate) enum Join {
     #[default]
     Alone,
     /// It is one half of a CROSS, together with a chain of a higher index.
-    First { partner: usize },
-    /// It is the other half of a CROSS.
+    Cross { partner: usize },
+    /// It is one half of a BLLB, together with a chain of a higher index.
+    Touching { partner: usize },
+    /// It is the other half of either.
     Second,
 }
 
@@ -27,6 +32,8 @@ pub(crate) struct Crosses {
     joins: Vec<Join>,
     /// Chains that may be joined, by their loop vertex.
     candidates: Vec<(VertexId, usize)>,
+    /// Chains that end where two boundaries touch exactly.
+    contacts: Vec<(VertexId, usize, Contact)>,
     fan: Vec<(FaceId, VertexId)>,
     half_paths: Vec<HalfPath>,
 }
@@ -48,7 +55,7 @@ impl Crosses {
         self.joins.resize(num_chains, Join::Alone);
         self.candidates.clear();
         for chain in 0..num_chains {
-            if let Ends::LoopBoundary { vertex, .. } = view.ends(chain)
+            if let Ends::LoopBoundary(vertex, _) = view.ends(chain)
                 && !view.mesh.is_boundary_vertex(vertex)
             {
                 self.candidates.push((vertex, chain));
@@ -61,8 +68,30 @@ impl Crosses {
             group.sort_by(|a, b| view.length_m(a.1).total_cmp(&view.length_m(b.1)));
             self.join_at(view, group[0].0, group);
         }
-        rest.clear();
+        self.join_touching(view, &rest);
         self.candidates = rest;
+    }
+
+    /// Joins what is left where two chains end in the same contact of two boundaries. Contacts are rare, so that trying all
+    /// pairs of them costs nothing.
+    fn join_touching(&mut self, view: &ChainView<'_>, candidates: &[(VertexId, usize)]) {
+        self.contacts.clear();
+        for &(vertex, chain) in candidates {
+            if self.joins[chain] == Join::Alone
+                && let Ends::LoopBoundary(_, BoundaryEnd { contact: Some(contact), .. }) = view.ends(chain)
+            {
+                self.contacts.push((vertex, chain, contact));
+            }
+        }
+        for (i, (vertex, chain, contact)) in self.contacts.iter().enumerate() {
+            for (other_vertex, other_chain, other) in &self.contacts[i + 1..] {
+                let free = self.joins[*chain] == Join::Alone && self.joins[*other_chain] == Join::Alone;
+                if free && vertex != other_vertex && contact.is_same_place(other) {
+                    self.joins[*chain.min(other_chain)] = Join::Touching { partner: *chain.max(other_chain) };
+                    self.joins[*chain.max(other_chain)] = Join::Second;
+                }
+            }
+        }
     }
 
     /// What becomes of one chain.
@@ -79,7 +108,7 @@ impl Crosses {
                 let both_free = self.joins[first] == Join::Alone && self.joins[second] == Join::Alone;
                 if both_free && self.is_planar(group, (first, second)) {
                     let (lower, higher) = (first.min(second), first.max(second));
-                    self.joins[lower] = Join::First { partner: higher };
+                    self.joins[lower] = Join::Cross { partner: higher };
                     self.joins[higher] = Join::Second;
                 }
             }
@@ -90,7 +119,7 @@ impl Crosses {
     fn sort_half_paths(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) -> bool {
         self.half_paths.clear();
         for &(_, chain) in group {
-            let Ends::LoopBoundary { bounded, .. } = view.ends(chain) else { return false };
+            let Ends::LoopBoundary(_, BoundaryEnd { bounded, .. }) = view.ends(chain) else { return false };
             for copy in [bounded, 1 - bounded] {
                 let towards = view.surface_point(chain, copy, 1);
                 let face = view.face(chain, copy, 0);
@@ -115,8 +144,8 @@ impl Crosses {
         for &(_, chain) in group.iter().filter(|&&(_, chain)| chain != pair.0 && chain != pair.1) {
             match self.joins[chain] {
                 Join::Alone => chords.push([place(chain, true), place(chain, false)]),
-                Join::First { partner } => chords.extend(joined(chain, partner)),
-                Join::Second => {}
+                Join::Cross { partner } => chords.extend(joined(chain, partner)),
+                Join::Second | Join::Touching { .. } => {}
             }
         }
         chords.iter().enumerate().all(|(i, &a)| chords[i + 1..].iter().all(|&b| !chords_cross(a, b)))

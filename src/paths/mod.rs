@@ -6,6 +6,7 @@
 //! are then one. A [`PathPair`] is what is found, a [`PathCopy`] what is left after EIGHT, CROSS and BLLB are split.
 
 mod classify;
+mod contact;
 mod cross;
 mod fan;
 mod trace;

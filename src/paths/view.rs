@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     ChainEnd, SurfacePoint,
+    contact::Contact,
     trace::{Chain, Chains},
 };
 use crate::{
@@ -13,16 +14,31 @@ use crate::{
 };
 
 /// How a chain ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ends {
     /// Not at all.
     Closed,
     /// In two loop vertices, or twice in one.
     LoopLoop(VertexId, VertexId),
-    /// From a loop vertex to an end where copy `bounded` ends on the boundary.
-    LoopBoundary { vertex: VertexId, bounded: usize },
-    /// The copies that end on the boundary at the first and at the last node.
-    BoundaryBoundary([usize; 2]),
+    /// From a loop vertex to a boundary.
+    LoopBoundary(VertexId, BoundaryEnd),
+    /// From boundary to boundary.
+    BoundaryBoundary([BoundaryEnd; 2]),
+}
+
+/// The end of a chain where an edge of the boundary pierces a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BoundaryEnd {
+    /// The copy that owns the edge and ends there.
+    pub(crate) bounded: usize,
+    /// Where the other copy ends on a boundary too, because both touch exactly.
+    pub(crate) contact: Option<Contact>,
+}
+
+impl BoundaryEnd {
+    pub(crate) fn ends_on_boundary(&self, copy: usize) -> bool {
+        copy == self.bounded || self.contact.is_some()
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -55,28 +71,49 @@ impl ChainView<'_> {
         let last = self.num_segments(chain);
         match (self.node(chain, 0), self.node(chain, last)) {
             (SegmentEnd::LoopVertex(first), SegmentEnd::LoopVertex(last)) => Ends::LoopLoop(first, last),
-            (SegmentEnd::LoopVertex(vertex), SegmentEnd::EdgeFace(_)) => {
-                Ends::LoopBoundary { vertex, bounded: self.bounded_copy(chain, last) }
+            (SegmentEnd::LoopVertex(vertex), SegmentEnd::EdgeFace(end)) => {
+                Ends::LoopBoundary(vertex, self.boundary_end(chain, last, end))
             }
-            _ => Ends::BoundaryBoundary([self.bounded_copy(chain, 0), self.bounded_copy(chain, last)]),
+            (SegmentEnd::EdgeFace(end), SegmentEnd::LoopVertex(vertex)) => {
+                Ends::LoopBoundary(vertex, self.boundary_end(chain, 0, end))
+            }
+            (SegmentEnd::EdgeFace(first), SegmentEnd::EdgeFace(end)) => {
+                Ends::BoundaryBoundary([self.boundary_end(chain, 0, first), self.boundary_end(chain, last, end)])
+            }
+        }
+    }
+
+    fn boundary_end(&self, chain: usize, place: usize, index: u32) -> BoundaryEnd {
+        let crossing = self.crossing(index);
+        BoundaryEnd {
+            bounded: usize::from(self.runs_in_face(chain, 0, place, crossing.face)),
+            contact: Contact::at(self.mesh, self.frame, crossing),
         }
     }
 
     /// Where a copy touches the cloth at a node: the copy that runs through the pierced face is inside of it, the other one
-    /// on the edge.
+    /// on the edge. Where boundaries touch exactly, both are on an edge or in a vertex.
     pub(crate) fn surface_point(&self, chain: usize, copy: usize, place: usize) -> SurfacePoint {
         match self.node(chain, place) {
             SegmentEnd::LoopVertex(vertex) => SurfacePoint::Vertex(vertex),
             SegmentEnd::EdgeFace(index) => {
                 let crossing = self.crossing(index);
-                let step = place.min(self.num_segments(chain) - 1);
-                if self.face(chain, copy, step) == crossing.face {
-                    SurfacePoint::Face { face: crossing.face, barycentric: crossing.barycentric }
-                } else {
-                    SurfacePoint::Edge { edge: crossing.edge, parameter: crossing.edge_parameter }
+                if !self.runs_in_face(chain, copy, place, crossing.face) {
+                    return SurfacePoint::Edge { edge: crossing.edge, parameter: crossing.edge_parameter };
                 }
+                let is_end = !self.chain(chain).closed && (place == 0 || place == self.num_segments(chain));
+                let contact = if is_end { Contact::at(self.mesh, self.frame, crossing) } else { None };
+                contact
+                    .map_or(SurfacePoint::Face { face: crossing.face, barycentric: crossing.barycentric }, |contact| {
+                        contact.on_face
+                    })
             }
         }
+    }
+
+    fn runs_in_face(&self, chain: usize, copy: usize, place: usize, face: FaceId) -> bool {
+        let step = place.min(self.num_segments(chain) - 1);
+        self.face(chain, copy, step) == face
     }
 
     /// World position of a node.
@@ -118,10 +155,5 @@ impl ChainView<'_> {
 
     fn crossing(&self, index: u32) -> &EdgeFaceIntersection {
         &self.found.edge_face[index as usize]
-    }
-
-    /// The copy that ends on the boundary (or at the junction): the one that owns the edge.
-    fn bounded_copy(&self, chain: usize, place: usize) -> usize {
-        usize::from(!matches!(self.surface_point(chain, 0, place), SurfacePoint::Edge { .. }))
     }
 }

@@ -1,0 +1,90 @@
+//! Ends where two boundaries touch exactly: the only source of BLB, BLLB and BB/BB, and of BB/BI without a loop vertex.
+//!
+//! The signs know no touching: on the perturbed input the boundary edge pierces the face just inside its boundary, or misses it. Here the
+//! coordinates are asked as they are, with exact arithmetic. The answer names the path; it changes no intersection.
+
+use super::SurfacePoint;
+use crate::{
+    frame::Frame,
+    intersect::EdgeFaceIntersection,
+    mesh::{EdgeId, Mesh, VertexId},
+    predicates::are_coplanar,
+};
+
+/// Where a boundary edge touches the boundary of the face that it pierces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Contact {
+    /// Place of the pierced sheet: on a boundary edge, or in a boundary vertex.
+    pub(crate) on_face: SurfacePoint,
+    /// The piercing edge, or its end if it touches with that.
+    on_edge: Site,
+    site: Site,
+}
+
+/// What touches, without numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Site {
+    Vertex(VertexId),
+    Edge(EdgeId),
+}
+
+impl Contact {
+    /// The contact at an edge-face intersection, if the edge touches the face's boundary exactly there.
+    pub(crate) fn at(mesh: &Mesh, frame: &Frame, crossing: &EdgeFaceIntersection) -> Option<Self> {
+        let position = |vertex: VertexId| -> [f64; 3] { frame.position(vertex).coords.into() };
+        let [p, q] = mesh.edge(crossing.edge);
+        let [a, b, c] = mesh.face(crossing.face);
+        let in_plane = [p, q].map(|end| are_coplanar([a, b, c, end].map(position)));
+        if in_plane == [true; 2] {
+            // The edge lies in the plane of the face: no single point to name.
+            return None;
+        }
+        // The line of the edge meets the plane in one point, inside the face or on its border. It is on the line of a side
+        // exactly where these two lines are coplanar.
+        let sides = mesh.face_edges(crossing.face)?;
+        let touched = sides.map(|side| {
+            let [f, g] = mesh.edge(side);
+            are_coplanar([p, q, f, g].map(position))
+        });
+        let site = match touched {
+            [true, false, false] | [false, true, false] | [false, false, true] => {
+                let side = sides[touched.iter().position(|&touches| touches)?];
+                mesh.is_boundary_edge(side).then_some(Site::Edge(side))?
+            }
+            [true, true, false] => Self::vertex(mesh, b)?,
+            [false, true, true] => Self::vertex(mesh, c)?,
+            [true, false, true] => Self::vertex(mesh, a)?,
+            _ => return None,
+        };
+        let on_edge = match in_plane {
+            [true, false] => Site::Vertex(p),
+            [false, true] => Site::Vertex(q),
+            _ => Site::Edge(crossing.edge),
+        };
+        let on_face = match site {
+            Site::Vertex(vertex) => SurfacePoint::Vertex(vertex),
+            Site::Edge(edge) => SurfacePoint::Edge { edge, parameter: Self::parameter(mesh, crossing, edge) },
+        };
+        Some(Self { on_face, on_edge, site })
+    }
+
+    /// Whether two contacts are the same two places, in either order.
+    pub(crate) fn is_same_place(&self, other: &Self) -> bool {
+        (self.on_edge == other.on_edge && self.site == other.site)
+            || (self.on_edge == other.site && self.site == other.on_edge)
+    }
+
+    fn vertex(mesh: &Mesh, vertex: VertexId) -> Option<Site> {
+        mesh.is_boundary_vertex(vertex).then_some(Site::Vertex(vertex))
+    }
+
+    /// Position along a side of the pierced face.
+    fn parameter(mesh: &Mesh, crossing: &EdgeFaceIntersection, edge: EdgeId) -> f64 {
+        let weight = |vertex: VertexId| {
+            let corner = mesh.face(crossing.face).into_iter().position(|corner| corner == vertex);
+            corner.map_or(0.0, |corner| crossing.barycentric[corner])
+        };
+        let [first, second] = mesh.edge(edge).map(weight);
+        if first + second > 0.0 { second / (first + second) } else { 0.5 }
+    }
+}
