@@ -73,8 +73,7 @@ impl Frame {
             for ((slot, value), axis) in point.iter_mut().zip(position).zip(['x', 'y', 'z']) {
                 let value: f64 = value.into();
                 let magnitude = value.abs();
-                // Written so that NaN fails.
-                if !(magnitude <= LARGEST) {
+                if magnitude.is_nan() || magnitude > LARGEST {
                     return Err(FrameError::Coordinate { vertex, axis, value });
                 }
                 *slot = if magnitude < SMALLEST { 0.0 } else { value };

@@ -68,9 +68,8 @@ pub fn side_of_plane(a: Site, b: Site, c: Site, d: Site) -> Side {
 #[must_use]
 pub fn are_coplanar(points: [[f64; 3]; 4]) -> bool {
     let [a, b, c, d] = points.map(|position| coord3(Site { position, index: 0 }));
-    let volume = robust::orient3d(a, b, c, d);
     // Exact, so that zero means zero.
-    !(volume > 0.0 || volume < 0.0)
+    robust::orient3d(a, b, c, d).classify() == std::num::FpCategory::Zero
 }
 
 /// The answer where the determinant itself is exactly zero.

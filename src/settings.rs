@@ -12,6 +12,13 @@ pub struct Settings {
     pub response: Response,
     /// Which of the two sides of a partitioning path is inside.
     pub inside: InsideChoice,
+    /// Whether layers, where the mesh has them, decide instead: a point of an outer layer is inside where it lies behind a face of an
+    /// inner layer, whose faces look outwards.
+    pub layer_order: bool,
+    /// Whether winding numbers decide instead on closed, oriented pieces.
+    pub winding: bool,
+    /// Whether a side that holds pinned vertices is outside, where the other side holds none.
+    pub pinned_outside: bool,
     /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per unit mass).
     pub stiffness_per_step2: f64,
     /// Largest correction of a vertex in one step, in mean edge lengths: the `f_max` of the force law, per unit mass and step^2.
@@ -55,6 +62,9 @@ impl Default for Settings {
         Self {
             response: Response::default(),
             inside: InsideChoice::default(),
+            layer_order: true,
+            winding: false,
+            pinned_outside: false,
             stiffness_per_step2: 0.5,
             max_step_edge_lengths: 0.2,
             thickness_m: None,

@@ -63,6 +63,7 @@ impl Mesh {
             vertex_edges,
             face_piece,
             num_pieces,
+            is_solid_piece: Vec::new(),
             num_boundary_edges,
             num_ignored_faces,
             manifold: edges_manifold,
@@ -74,7 +75,24 @@ impl Mesh {
             layers,
         };
         mesh.manifold = edges_manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));
+        mesh.is_solid_piece = mesh.find_solid_pieces();
         Ok(mesh)
+    }
+
+    fn find_solid_pieces(&self) -> Vec<bool> {
+        let mut solid = vec![true; self.num_pieces];
+        for edge in self.edge_ids() {
+            let runs_forward = |face: &FaceId| {
+                let ([a, b], corners) = (self.edge(edge), self.face(*face));
+                (0..3).any(|corner| corners[corner] == a && corners[(corner + 1) % 3] == b)
+            };
+            let faces = self.edge_faces(edge);
+            let is_seam = faces.len() == 2 && runs_forward(&faces[0]) != runs_forward(&faces[1]);
+            if let (false, Some(piece)) = (is_seam, faces.first().and_then(|&face| self.piece(face))) {
+                solid[piece.index()] = false;
+            }
+        }
+        solid
     }
 
     /// Whether the faces round a vertex are connected by edges of that vertex.

@@ -29,6 +29,7 @@ pub struct Mesh {
     vertex_edges: Csr<EdgeId>,
     face_piece: Vec<Option<PieceId>>,
     num_pieces: usize,
+    is_solid_piece: Vec<bool>,
     num_boundary_edges: usize,
     num_ignored_faces: usize,
     manifold: bool,
@@ -173,6 +174,13 @@ impl Mesh {
     #[must_use]
     pub fn piece(&self, face: FaceId) -> Option<PieceId> {
         self.face_piece[face.index()]
+    }
+
+    /// Whether a piece is closed and its faces agree on what is outside: each edge has two faces that run along it in
+    /// opposite directions.
+    #[must_use]
+    pub fn is_solid(&self, piece: PieceId) -> bool {
+        self.is_solid_piece[piece.index()]
     }
 
     /// Texture coordinates, if there are any.

@@ -4,11 +4,12 @@ use super::{
     InsideRegion, InsideRegions,
     disc::Disc,
     flood::{Flood, Separation},
+    side::{Scene, choose_side},
 };
 use crate::{
     frame::Frame,
-    mesh::{Mesh, VertexId},
-    paths::{IntersectionPaths, PathCopy, PathType, SurfacePoint},
+    mesh::{FaceId, Mesh, VertexId},
+    paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
     settings::{InsideChoice, Settings},
 };
 
@@ -31,37 +32,30 @@ impl RegionFinder {
         settings: &Settings,
         regions: &mut InsideRegions,
     ) {
+        let scene = &Scene { mesh, frame, paths, settings };
         regions.by_copy.clear();
         regions.vertices.clear();
         for (index, copy) in paths.copies.iter().enumerate() {
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
-                    Some(self.partition(mesh, frame, paths, &[index], settings, regions))
+                    Some(self.partition(scene, &[index], regions))
                 }
                 PathType::BoundaryLoopInside | PathType::BoundaryLoopBoundary => {
-                    Some(self.cut_disc(mesh, frame, paths, copy, settings, regions))
+                    Some(self.cut_disc(scene, copy, regions))
                 }
                 PathType::BoundaryInside | PathType::InsideInside => None,
             };
             regions.by_copy.push(region);
-            self.join_copies(mesh, frame, paths, index, settings, regions);
+            self.join_copies(scene, index, regions);
         }
     }
 
     /// Where neither of two corresponding paths separates, both together may: two hem-to-hem paths on a tube.
-    fn join_copies(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        paths: &IntersectionPaths,
-        second: usize,
-        settings: &Settings,
-        regions: &mut InsideRegions,
-    ) {
-        let first = paths.copies[second].partner;
+    fn join_copies(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
+        let first = scene.paths.copies[second].partner;
         let fails = |copy: usize| regions.by_copy[copy].as_ref().is_some_and(|region| !region.partitioning);
         if first < second && fails(first) && fails(second) {
-            let region = self.partition(mesh, frame, paths, &[first, second], settings, regions);
+            let region = self.partition(scene, &[first, second], regions);
             if region.partitioning {
                 let empty = InsideRegion { partitioning: true, ..InsideRegion::default() };
                 regions.by_copy[second] = Some(empty);
@@ -70,50 +64,38 @@ impl RegionFinder {
         }
     }
 
-    /// The smaller side of one path, or of several together.
-    fn partition(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        paths: &IntersectionPaths,
-        copies: &[usize],
-        settings: &Settings,
-        regions: &mut InsideRegions,
-    ) -> InsideRegion {
-        self.flood.begin(mesh);
+    /// The inside of one path, or of several together.
+    fn partition(&mut self, scene: &Scene<'_>, copies: &[usize], regions: &mut InsideRegions) -> InsideRegion {
+        self.flood.begin(scene.mesh);
         for &copy in copies {
-            self.cross_edges(paths, &paths.copies[copy]);
+            self.cross_edges(scene.paths, &scene.paths.copies[copy]);
         }
-        let separation = fill(&mut self.flood, mesh, frame, settings, |_| true);
-        self.region(separation, None, regions)
+        let separation = fill(&mut self.flood, scene, |_| true);
+        let points = &scene.paths.points[scene.paths.copies[copies[0]].points.clone()];
+        Self::region(&mut self.flood, scene, points, separation, |_| true, regions)
     }
 
-    /// The smaller side of the disc round the loop vertex of a BLI path.
-    fn cut_disc(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        paths: &IntersectionPaths,
-        copy: &PathCopy,
-        settings: &Settings,
-        regions: &mut InsideRegions,
-    ) -> InsideRegion {
-        let points = &paths.points[copy.points.clone()];
+    /// The inside of the disc round the loop vertex of a BLI path.
+    fn cut_disc(&mut self, scene: &Scene<'_>, copy: &PathCopy, regions: &mut InsideRegions) -> InsideRegion {
+        let points = &scene.paths.points[copy.points.clone()];
+        let loop_vertices = &scene.paths.pairs[copy.pair].loop_vertices;
         let centre = points.iter().find_map(|point| match point.own {
-            SurfacePoint::Vertex(vertex) => Some(vertex),
+            SurfacePoint::Vertex(vertex) if loop_vertices.contains(&vertex) => Some(vertex),
             _ => None,
         });
         let (Some(centre), Some(first), Some(last)) = (centre, points.first(), points.last()) else {
             return InsideRegion::default();
         };
-        let Some(radius) = self.disc.unfold(mesh, frame, centre, [first.own, last.own]) else {
+        let Some(radius) = self.disc.unfold(scene.mesh, scene.frame, centre, [first.own, last.own]) else {
             return InsideRegion::default();
         };
-        self.flood.begin(mesh);
-        self.cross_edges(paths, copy);
+        self.flood.begin(scene.mesh);
+        self.cross_edges(scene.paths, copy);
         let disc = &self.disc;
-        let separation = fill(&mut self.flood, mesh, frame, settings, |vertex| disc.contains(vertex));
-        self.region(separation, Some(radius), regions)
+        let in_disc = |vertex| disc.contains(vertex);
+        let separation = fill(&mut self.flood, scene, in_disc);
+        let region = Self::region(&mut self.flood, scene, points, separation, in_disc, regions);
+        InsideRegion { disc_radius: Some(radius), ..region }
     }
 
     /// Tells the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path separates.
@@ -130,38 +112,40 @@ impl RegionFinder {
         }
     }
 
-    fn region(&self, separation: Separation, disc_radius: Option<f64>, regions: &mut InsideRegions) -> InsideRegion {
+    fn region(
+        flood: &mut Flood,
+        scene: &Scene<'_>,
+        points: &[PathPoint],
+        separation: Separation,
+        allowed: impl Fn(VertexId) -> bool,
+        regions: &mut InsideRegions,
+    ) -> InsideRegion {
         let first = regions.vertices.len();
         if separation == Separation::Two {
-            regions.vertices.extend_from_slice(self.flood.smaller());
+            let inside = choose_side(flood, scene, points, allowed);
+            regions.vertices.extend_from_slice(flood.side(inside));
         }
         InsideRegion {
             partitioning: separation == Separation::Two,
             vertices: first..regions.vertices.len(),
-            disc_radius,
+            disc_radius: None,
         }
     }
 }
 
-fn fill(
-    flood: &mut Flood,
-    mesh: &Mesh,
-    frame: &Frame,
-    settings: &Settings,
-    allowed: impl Fn(VertexId) -> bool,
-) -> Separation {
-    let area = |vertex| vertex_area(mesh, frame, vertex);
-    match settings.inside {
-        InsideChoice::Count => flood.fill(mesh, allowed, |_| 1.0, area),
-        InsideChoice::Area => flood.fill(mesh, allowed, area, |_| 1.0),
+fn fill(flood: &mut Flood, scene: &Scene<'_>, allowed: impl Fn(VertexId) -> bool) -> Separation {
+    let area = |vertex| vertex_area(scene, vertex);
+    match scene.settings.inside {
+        InsideChoice::Count => flood.fill(scene.mesh, allowed, |_| 1.0, area),
+        InsideChoice::Area => flood.fill(scene.mesh, allowed, area, |_| 1.0),
     }
 }
 
 /// A third of the area of the faces round a vertex, in square metres.
-fn vertex_area(mesh: &Mesh, frame: &Frame, vertex: VertexId) -> f64 {
-    let area = |face: &crate::mesh::FaceId| {
-        let [a, b, c] = mesh.face(*face).map(|corner| frame.position(corner));
+fn vertex_area(scene: &Scene<'_>, vertex: VertexId) -> f64 {
+    let area = |face: &FaceId| {
+        let [a, b, c] = scene.mesh.face(*face).map(|corner| scene.frame.position(corner));
         (b - a).cross(&(c - a)).norm() / 6.0
     };
-    mesh.vertex_faces(vertex).iter().map(area).sum()
+    scene.mesh.vertex_faces(vertex).iter().map(area).sum()
 }

@@ -151,6 +151,24 @@ impl Flood {
         Separation::Two
     }
 
+    /// Goes on until the other side is complete too. To be called only after a fill that separated: then no conflict can
+    /// come up any more.
+    pub(crate) fn complete(&mut self, mesh: &Mesh, allowed: impl Fn(VertexId) -> bool) {
+        for side in 0..2 {
+            while let Some(vertex) = self.queues[side].pop_front() {
+                for &edge in mesh.vertex_edges(vertex) {
+                    let neighbour = mesh.opposite_vertex(edge, vertex);
+                    let open = self.removed[neighbour.index()] != self.epoch && allowed(neighbour);
+                    if open && self.side_of(neighbour).is_none() {
+                        let wanted = if self.is_crossed(edge) { 1 - side } else { side };
+                        self.push(wanted, neighbour);
+                    }
+                }
+            }
+        }
+        self.sides.iter_mut().for_each(|side| side.sort_unstable());
+    }
+
     fn choose_smaller(&self, weight: &impl Fn(VertexId) -> f64, tie_weight: &impl Fn(VertexId) -> f64) -> usize {
         let total = |side: usize, weight: &dyn Fn(VertexId) -> f64| -> f64 {
             self.sides[side].iter().map(|&vertex| weight(vertex)).sum()
@@ -168,14 +186,20 @@ impl Flood {
         self.sides[side].push(vertex);
     }
 
-    fn side_of(&self, vertex: VertexId) -> Option<usize> {
+    /// The side on which a vertex was found, if it was visited.
+    pub(crate) fn side_of(&self, vertex: VertexId) -> Option<usize> {
         let (epoch, side) = self.colour[vertex.index()];
         (epoch == self.epoch).then_some(usize::from(side))
     }
 
-    /// The smaller side of the last fill that separated, ascending.
-    pub(crate) fn smaller(&self) -> &[VertexId] {
-        &self.sides[self.smaller]
+    /// Which side is the smaller one, after a fill that separated. Its vertices are all known.
+    pub(crate) fn smaller(&self) -> usize {
+        self.smaller
+    }
+
+    /// The vertices found on one side; ascending for the smaller side, and for both after [`complete`](Self::complete).
+    pub(crate) fn side(&self, side: usize) -> &[VertexId] {
+        &self.sides[side]
     }
 }
 
@@ -203,7 +227,7 @@ mod tests {
             flood.cross(edge(&mesh, a, b));
         }
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
-        assert_eq!(flood.smaller(), [0, 1, 2, 3, 4, 5].map(VertexId));
+        assert_eq!(flood.side(flood.smaller()), [0, 1, 2, 3, 4, 5].map(VertexId));
         // The larger side was left alone.
         assert!(flood.sides[1 - flood.smaller].len() < 16);
     }
@@ -217,7 +241,7 @@ mod tests {
             flood.cross(edge(&mesh, 4, 6));
         }
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
-        assert!(flood.smaller().is_empty());
+        assert!(flood.side(flood.smaller()).is_empty());
         flood.begin(&mesh);
         for _ in 0..3 {
             flood.cross(edge(&mesh, 4, 6));
@@ -235,6 +259,6 @@ mod tests {
         flood.cross(edge(&mesh, 5, 7));
         flood.cross(edge(&mesh, 5, 6));
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
-        assert_eq!(flood.smaller(), [6, 7, 8, 9].map(VertexId));
+        assert_eq!(flood.side(flood.smaller()), [6, 7, 8, 9].map(VertexId));
     }
 }

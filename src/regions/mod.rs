@@ -3,6 +3,8 @@
 mod disc;
 mod finder;
 mod flood;
+mod side;
+mod winding;
 
 use std::ops::Range;
 
