@@ -1,0 +1,203 @@
+//! `untangled check`: analyses mesh files and says what intersects.
+
+mod report;
+#[cfg(test)]
+mod tests;
+
+use std::{
+    fs::{self, File},
+    io::{self, BufWriter, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Instant,
+};
+
+use thiserror::Error;
+
+pub use report::Report;
+
+use crate::{
+    analysis::{Analyser, Analysis, Stage, StageObserver},
+    frame::{Frame, FrameError},
+    io::{FileFormat, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj, write_contours_ply},
+    mesh::{Mesh, MeshError},
+    settings::Settings,
+};
+use report::StageTimes;
+
+/// Finds all intersections of one mesh, or of several in one world.
+///
+/// Exit code: 0 without intersections, 1 with, 2 for bad input.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CheckArgs {
+    /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print one JSON document (schema untangled.check/1) instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// List the intersecting pairs of triangles
+    #[arg(long)]
+    pub face_pairs: bool,
+    /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
+    #[arg(long, value_name = "FILE")]
+    pub contours: Option<PathBuf>,
+}
+
+/// Why a check could not be done.
+#[derive(Debug, Error)]
+pub enum CheckError {
+    /// A file can't be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The files together can't be put into one world.
+    #[error("{files}: {source}")]
+    World {
+        /// The files.
+        files: String,
+        /// What is wrong.
+        source: ReadErrorKind,
+    },
+    /// What was read is no mesh that can be analysed.
+    #[error("{files}: {source}")]
+    Mesh {
+        /// The files.
+        files: String,
+        /// What is wrong.
+        source: MeshError,
+    },
+    /// A coordinate is beyond the range of exact arithmetic.
+    #[error("{}: {source}", path.display())]
+    Frame {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong; vertices counted from 0 in this file.
+        source: FrameError,
+    },
+    /// `--contours` names neither OBJ nor PLY.
+    #[error("{}: contours are written as .obj or .ply", .0.display())]
+    ContoursFormat(PathBuf),
+    /// `--contours` names an input.
+    #[error("{}: is an input and would be overwritten by the contours", .0.display())]
+    ContoursOverInput(PathBuf),
+    /// An output can't be written.
+    #[error("{}: can't be written: {source}", path.display())]
+    Write {
+        /// The file, or `standard output`.
+        path: PathBuf,
+        /// What is wrong.
+        source: io::Error,
+    },
+}
+
+/// Runs the subcommand: prints the report on standard output.
+///
+/// # Errors
+/// [`CheckError`]; one line, exit code 2.
+pub fn run(args: &CheckArgs) -> Result<ExitCode, CheckError> {
+    let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
+    let (report, analysis) = check(&args.files, args.face_pairs)?;
+    if let (Some(path), Some(format)) = (&args.contours, contours) {
+        write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
+    }
+    let text = if args.json { report.to_json() } else { report.to_string() };
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        // Who stops reading has read enough.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CheckError::Write { path: "standard output".into(), source: error })
+        }
+        _ => Ok(ExitCode::from(u8::from(report.num_face_pairs > 0))),
+    }
+}
+
+/// Reads and analyses files as one world.
+///
+/// # Errors
+/// [`CheckError`], naming the file and the element at fault.
+pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+    let mut clock = StageClock::default();
+    clock.start(StageTimes::READ);
+    let meshes = files.iter().map(read_mesh).collect::<Result<Vec<_>, _>>()?;
+    clock.start(StageTimes::MESH);
+    let names = || files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
+    let world = concatenate(&meshes).map_err(|source| CheckError::World { files: names(), source })?;
+    drop(meshes);
+    let World { description, positions, file_vertices, .. } = world;
+    let mesh = Mesh::new(description).map_err(|source| CheckError::Mesh { files: names(), source })?;
+    let frame = Frame::new(&mesh, &positions).map_err(|source| {
+        let FrameError::Coordinate { vertex, axis, value } = source else {
+            return CheckError::Frame { path: names().into(), source };
+        };
+        let (path, range) = files
+            .iter()
+            .zip(&file_vertices)
+            .find(|(_, range)| range.contains(&vertex))
+            .map_or((PathBuf::new(), 0..0), |(path, range)| (path.clone(), range.clone()));
+        CheckError::Frame { path, source: FrameError::Coordinate { vertex: vertex - range.start, axis, value } }
+    })?;
+    let mut analyser = Analyser::default();
+    let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
+    let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
+    Ok((report, analysis))
+}
+
+/// The format of the contours, if they may be written there.
+fn contours_format(path: &Path, inputs: &[PathBuf]) -> Result<FileFormat, CheckError> {
+    let format = FileFormat::of_name(path)
+        .filter(|format| *format != FileFormat::Gltf)
+        .ok_or_else(|| CheckError::ContoursFormat(path.to_path_buf()))?;
+    if inputs.iter().any(|input| is_same_file(path, input)) {
+        return Err(CheckError::ContoursOverInput(path.to_path_buf()));
+    }
+    Ok(format)
+}
+
+/// Whether two names, however spelt or linked, are one existing file.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (fs::metadata(a), fs::metadata(b)) {
+        (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
+        _ => false,
+    }
+}
+
+fn write_contours(path: &Path, format: FileFormat, analysis: &Analysis) -> io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    match format {
+        FileFormat::Ply => write_contours_ply(&analysis.paths, &mut out)?,
+        _ => write_contours_obj(&analysis.paths, &mut out)?,
+    }
+    out.flush()
+}
+
+/// Measures stages, one at a time.
+#[derive(Debug, Default)]
+struct StageClock {
+    running: Option<(&'static str, Instant)>,
+    times: StageTimes,
+}
+
+impl StageClock {
+    fn start(&mut self, stage: &'static str) {
+        self.end();
+        self.running = Some((stage, Instant::now()));
+    }
+}
+
+impl StageObserver for StageClock {
+    fn begin(&mut self, stage: Stage) {
+        self.start(match stage {
+            Stage::Intersect => "intersect",
+            Stage::Paths => "paths",
+            Stage::Regions => "regions",
+            Stage::Correspond => "correspond",
+            Stage::Respond => "respond",
+        });
+    }
+
+    fn end(&mut self) {
+        if let Some((stage, start)) = self.running.take() {
+            self.times.add(stage, start.elapsed());
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! What `untangled check` reports: one document, as JSON or as a table.
+
+use std::{
+    collections::BTreeMap,
+    fmt::{self, Display, Formatter},
+    path::PathBuf,
+    time::Duration,
+};
+
+use serde::Serialize;
+
+use crate::{
+    analysis::Analysis,
+    mesh::Mesh,
+    paths::{ChainEnd, PairType, PathType},
+};
+
+/// The report of one check; its fields are the JSON schema `untangled.check/1`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name and version of this layout.
+    pub schema: &'static str,
+    /// Files, as they were named.
+    pub files: Vec<PathBuf>,
+    /// Vertices of all files, unused ones included.
+    pub num_vertices: usize,
+    /// Triangles.
+    pub num_faces: usize,
+    /// Triangles with a repeated vertex, which nothing can intersect.
+    pub num_ignored_faces: usize,
+    /// Sets of faces connected by edges.
+    pub num_pieces: usize,
+    /// Edges of one face.
+    pub num_boundary_edges: usize,
+    /// No boundary edge.
+    pub closed: bool,
+    /// At edges and at vertices.
+    pub manifold: bool,
+    /// Edges that pierce faces.
+    pub num_edge_face_intersections: usize,
+    /// Intersecting pairs of triangles.
+    pub num_face_pairs: usize,
+    /// Number of path pairs by type.
+    pub path_pairs: BTreeMap<PairType, usize>,
+    /// All path pairs.
+    pub paths: Vec<PairReport>,
+    /// Intersecting pairs of triangles, if asked for: `i < j`, sorted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub face_pairs: Option<Vec<[u32; 2]>>,
+    /// Time of each stage.
+    pub time_us: StageTimes,
+}
+
+/// One pair of corresponding paths.
+#[derive(Clone, Debug, Serialize)]
+pub struct PairReport {
+    /// Type of the pair, as found.
+    pub pair_type: PairType,
+    /// A loop in the world.
+    pub closed: bool,
+    /// Intersecting pairs of triangles along it.
+    pub num_segments: usize,
+    /// Length in the world, in metres.
+    pub length_m: f64,
+    /// Loop vertices.
+    pub loop_vertices: Vec<u32>,
+    /// Free ends.
+    pub ends: Vec<ChainEnd>,
+    /// Its paths after splitting.
+    pub copies: Vec<CopyReport>,
+}
+
+/// One path after splitting.
+#[derive(Clone, Debug, Serialize)]
+pub struct CopyReport {
+    /// Its type.
+    #[serde(rename = "type")]
+    pub path_type: PathType,
+    /// Triangles that it runs through, one after the other.
+    pub num_segments: usize,
+    /// Vertices inside, ascending; nothing for II and BI.
+    pub inside_vertices: Option<Vec<u32>>,
+    /// Whether it divides the cloth.
+    pub partitioning: bool,
+}
+
+/// Time of each stage in microseconds, in the order of the stages.
+#[derive(Clone, Debug, Default)]
+pub struct StageTimes(Vec<(&'static str, u64)>);
+
+impl StageTimes {
+    pub(super) const READ: &'static str = "read";
+    pub(super) const MESH: &'static str = "mesh";
+
+    pub(super) fn add(&mut self, stage: &'static str, time: Duration) {
+        self.0.push((stage, u64::try_from(time.as_micros()).unwrap_or(u64::MAX)));
+    }
+}
+
+impl Serialize for StageTimes {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().copied())
+    }
+}
+
+impl Report {
+    pub(super) fn new(
+        files: &[PathBuf],
+        mesh: &Mesh,
+        analysis: &Analysis,
+        time_us: StageTimes,
+        list_face_pairs: bool,
+    ) -> Self {
+        let Analysis { intersections, paths, regions } = analysis;
+        let mut path_pairs = BTreeMap::new();
+        for pair in &paths.pairs {
+            *path_pairs.entry(pair.pair_type).or_default() += 1;
+        }
+        let copy_report = |at: usize| {
+            let copy = &paths.copies[at];
+            let region = regions.by_copy[at].as_ref();
+            CopyReport {
+                path_type: copy.path_type,
+                num_segments: copy.segments.len(),
+                inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
+                partitioning: region.is_some_and(|region| region.partitioning),
+            }
+        };
+        let pair_reports = paths.pairs.iter().map(|pair| PairReport {
+            pair_type: pair.pair_type,
+            closed: pair.closed,
+            num_segments: pair.num_segments,
+            length_m: pair.length_m,
+            loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
+            ends: pair.ends.clone(),
+            copies: pair.copies.clone().map(copy_report).collect(),
+        });
+        let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
+        Self {
+            schema: "untangled.check/1",
+            files: files.to_vec(),
+            num_vertices: mesh.num_vertices(),
+            num_faces: mesh.num_faces(),
+            num_ignored_faces: mesh.num_ignored_faces(),
+            num_pieces: mesh.num_pieces(),
+            num_boundary_edges: mesh.num_boundary_edges(),
+            closed: mesh.is_closed(),
+            manifold: mesh.is_manifold(),
+            num_edge_face_intersections: intersections.edge_face.len(),
+            num_face_pairs: intersections.segments.len(),
+            path_pairs,
+            paths: pair_reports.collect(),
+            face_pairs: list_face_pairs.then(face_pairs),
+            time_us,
+        }
+    }
+
+    /// The document on one line.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let mut text =
+            serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"));
+        text.push('\n');
+        text
+    }
+}
+
+/// `1 face`, `2 faces`.
+struct Counted(usize, &'static str);
+
+impl Display for Counted {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(count, noun) = self;
+        let plural = if *count == 1 { "" } else { "s" };
+        write!(f, "{count} {}{plural}", noun)
+    }
+}
+
+impl Display for Report {
+    /// The table for people.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = self.files.iter().map(|path| path.display().to_string()).collect();
+        writeln!(f, "{}", names.join(", "))?;
+        write!(f, "  {} vertices, ", self.num_vertices)?;
+        for (count, noun) in [(self.num_faces, "face"), (self.num_pieces, "piece")] {
+            write!(f, "{}, ", Counted(count, noun))?;
+        }
+        write!(f, "{}", Counted(self.num_boundary_edges, "boundary edge"))?;
+        writeln!(f, "{}", if self.manifold { "" } else { ", not manifold" })?;
+        if self.num_ignored_faces > 0 {
+            writeln!(f, "  {} with a repeated vertex ignored", Counted(self.num_ignored_faces, "face"))?;
+        }
+        if self.num_face_pairs == 0 {
+            writeln!(f, "  no intersections")?;
+        } else {
+            let pairs = Counted(self.num_face_pairs, "intersecting face pair");
+            let hits = Counted(self.num_edge_face_intersections, "edge-face intersection");
+            writeln!(f, "  {pairs}, {hits}\n")?;
+            self.path_table(f)?;
+        }
+        if let Some(face_pairs) = &self.face_pairs {
+            writeln!(f, "\n  face pairs")?;
+            for [first, second] in face_pairs {
+                writeln!(f, "  {first} {second}")?;
+            }
+        }
+        let times: Vec<String> =
+            self.time_us.0.iter().map(|(stage, us)| format!("{stage} {}.{:03} ms", us / 1000, us % 1000)).collect();
+        writeln!(f, "\n  {}", times.join(", "))
+    }
+}
+
+impl Report {
+    fn path_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "  {:<14} {:>6} {:>11} {:>12} {:>16}",
+            "path type", "pairs", "face pairs", "length (m)", "inside vertices"
+        )?;
+        for (&pair_type, &count) in &self.path_pairs {
+            let (mut segments, mut length, mut inside) = (0, 0.0, 0);
+            for pair in self.paths.iter().filter(|pair| pair.pair_type == pair_type) {
+                segments += pair.num_segments;
+                length += pair.length_m;
+                inside +=
+                    pair.copies.iter().filter_map(|copy| copy.inside_vertices.as_ref()).map(Vec::len).sum::<usize>();
+            }
+            let name = serde_json::to_value(pair_type).ok();
+            let name = name.as_ref().and_then(|name| name.as_str()).unwrap_or_default();
+            writeln!(f, "  {name:<14} {count:>6} {segments:>11} {length:>12.5} {inside:>16}")?;
+        }
+        Ok(())
+    }
+}

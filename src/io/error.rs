@@ -1,0 +1,127 @@
+//! Why a file was not read or not written.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A file that can't be read as a mesh, and where in it.
+#[derive(Debug, Error)]
+#[error("{}{}: {kind}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
+pub struct ReadError {
+    /// The file, as it was named.
+    pub path: PathBuf,
+    /// Line at fault, counted from 1, in a text format.
+    pub line: Option<usize>,
+    /// What is wrong.
+    #[source]
+    pub kind: ReadErrorKind,
+}
+
+/// What is wrong with a file. Vertices and faces are counted as their format does: from 1 in OBJ, from 0 elsewhere.
+#[derive(Debug, Error)]
+pub enum ReadErrorKind {
+    /// The file can't be opened or read.
+    #[error("can't be read: {0}")]
+    Io(#[from] std::io::Error),
+    /// Neither the name nor the first bytes tell the format.
+    #[error("not a known mesh format; expected OBJ, PLY, glTF or GLB")]
+    UnknownFormat,
+    /// No vertices or no faces.
+    #[error("no mesh in it: {num_vertices} vertices, {num_faces} faces")]
+    Empty {
+        /// Vertices in the file.
+        num_vertices: usize,
+        /// Faces in the file.
+        num_faces: usize,
+    },
+    /// Something other than a number where one is needed.
+    #[error("{element} has `{text}` where a number is needed")]
+    NotANumber {
+        /// Which element.
+        element: String,
+        /// What stands there, shortened.
+        text: String,
+    },
+    /// NaN or infinite.
+    #[error("{element} has coordinate {value}; coordinates must be finite")]
+    NotFinite {
+        /// Which element.
+        element: String,
+        /// The value at fault.
+        value: f64,
+    },
+    /// Too few numbers.
+    #[error("{element} has {given} coordinates, at least {needed} are needed")]
+    TooFewCoordinates {
+        /// Which element.
+        element: String,
+        /// How many there are.
+        given: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A polygon of less than three corners.
+    #[error("{element} has {given} corners, at least 3 are needed")]
+    TooFewCorners {
+        /// Which element.
+        element: String,
+        /// How many there are.
+        given: usize,
+    },
+    /// An index that can't be one.
+    #[error("{element} has `{text}` where an index is needed")]
+    NotAnIndex {
+        /// Which element.
+        element: String,
+        /// What stands there, shortened.
+        text: String,
+    },
+    /// A reference to something that is not there.
+    #[error("{element} refers to {what} {index}, but only {defined} are defined")]
+    OutOfRange {
+        /// Which element.
+        element: String,
+        /// What is referred to.
+        what: &'static str,
+        /// The index as it stands in the file.
+        index: i64,
+        /// How many there are.
+        defined: usize,
+    },
+    /// The file ends too early.
+    #[error("ends within {element}")]
+    Truncated {
+        /// Which element.
+        element: String,
+    },
+    /// A header or document that breaks the rules of its format.
+    #[error("{0}")]
+    Malformed(String),
+    /// A glTF document that its parser refuses.
+    #[error("not a valid glTF document: {0}")]
+    Gltf(#[from] ::gltf::Error),
+}
+
+/// Why a file was not written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The file can't be written.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// Not one position for each vertex.
+    #[error("{given} positions were given for {expected} vertices")]
+    Length {
+        /// Positions given.
+        given: usize,
+        /// Vertices of the file.
+        expected: usize,
+    },
+    /// The file holds its coordinates in a way that can't take new ones.
+    #[error("vertex {vertex} can't be moved in this file: {reason}")]
+    FixedCoordinates {
+        /// The vertex, from 0.
+        vertex: usize,
+        /// Why.
+        reason: &'static str,
+    },
+}

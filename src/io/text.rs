@@ -1,0 +1,185 @@
+//! Tokens, numbers and replacement of coordinates in text formats.
+
+use std::io::{self, Write};
+
+use super::ReadErrorKind;
+
+/// Tokens of one logical line: separated by white space, ended by a comment; a line that ends in `\` goes on in the next.
+#[derive(Clone, Debug)]
+pub(super) struct Tokens<'a> {
+    source: &'a [u8],
+    at: usize,
+    end: usize,
+}
+
+impl<'a> Tokens<'a> {
+    /// The tokens of `source[start..end]`.
+    pub(super) fn new(source: &'a [u8], start: usize, end: usize) -> Self {
+        Self { source, at: start, end }
+    }
+
+    /// Where the next token is looked for.
+    pub(super) fn offset(&self) -> usize {
+        self.at
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    /// Byte offset in the source, and the token.
+    type Item = (usize, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let line = &self.source[..self.end];
+        while self.at < self.end && (is_space(line[self.at]) || continues(line, self.at)) {
+            self.at += 1;
+        }
+        if self.at == self.end || line[self.at] == b'#' {
+            return None;
+        }
+        let start = self.at;
+        while self.at < self.end && !is_space(line[self.at]) && !continues(line, self.at) {
+            self.at += 1;
+        }
+        Some((start, &line[start..self.at]))
+    }
+}
+
+/// White space between tokens.
+pub(super) fn is_space(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || byte == 0x0b
+}
+
+/// Whether the backslash at `at` is the last character of its line.
+fn continues(source: &[u8], at: usize) -> bool {
+    source[at] == b'\\' && matches!(&source[at + 1..], [] | [b'\n', ..] | [b'\r', b'\n', ..] | [b'\r'])
+}
+
+/// The logical lines of a text: each with the number of its first line, from 1, and its range of bytes.
+#[derive(Debug)]
+pub(super) struct LogicalLines<'a> {
+    source: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+impl<'a> LogicalLines<'a> {
+    /// The lines of a whole text.
+    pub(super) fn new(source: &'a [u8]) -> Self {
+        Self { source, at: 0, line: 1 }
+    }
+}
+
+impl<'a> Iterator for LogicalLines<'a> {
+    type Item = (usize, Tokens<'a>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.at >= self.source.len() {
+            return None;
+        }
+        let (start, first_line) = (self.at, self.line);
+        let is_comment = self.source[start..].iter().find(|&&byte| byte != b' ' && byte != b'\t') == Some(&b'#');
+        loop {
+            let rest = &self.source[self.at..];
+            let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+            let text = rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]);
+            let is_last = self.at + length >= self.source.len();
+            // A comment that ends in a backslash is likely to be a path: the next line is not part of it.
+            let goes_on = !is_comment && !is_last && text.ends_with(b"\\");
+            self.at += length + 1;
+            self.line += 1;
+            if !goes_on || self.at >= self.source.len() {
+                let end = self.at.min(self.source.len());
+                return Some((first_line, Tokens::new(self.source, start, end)));
+            }
+        }
+    }
+}
+
+/// A finite number.
+pub(super) fn finite_number(token: &[u8], element: impl Fn() -> String) -> Result<f64, ReadErrorKind> {
+    let Some(value) = number(token) else {
+        return Err(ReadErrorKind::NotANumber { element: element(), text: shortened(token) });
+    };
+    if value.is_finite() { Ok(value) } else { Err(ReadErrorKind::NotFinite { element: element(), value }) }
+}
+
+/// The double nearest to a decimal number.
+pub(super) fn number(token: &[u8]) -> Option<f64> {
+    std::str::from_utf8(token).ok()?.parse().ok()
+}
+
+/// At most 32 characters of a token, for a message on one line.
+pub(super) fn shortened(token: &[u8]) -> String {
+    let text: String = String::from_utf8_lossy(token).chars().filter(|c| !c.is_control()).take(33).collect();
+    if text.chars().count() > 32 { format!("{}...", text.chars().take(32).collect::<String>()) } else { text }
+}
+
+/// The line, from 1, in which a byte stands.
+pub(super) fn line_of(source: &[u8], offset: usize) -> usize {
+    1 + source[..offset.min(source.len())].iter().filter(|&&byte| byte == b'\n').count()
+}
+
+/// Writes a number so that reading it gives the same double.
+pub(super) fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {
+        write!(out, "{value:e}")
+    } else {
+        write!(out, "{value}")
+    }
+}
+
+/// Writes `source` with other coordinates: tokens of coordinates that changed are replaced, every other byte stays.
+///
+/// `tokens` holds for each vertex, in the order of the text, where its three coordinates start.
+pub(super) fn write_replaced(
+    source: &[u8],
+    tokens: &[[usize; 3]],
+    before: &[[f64; 3]],
+    after: &[[f64; 3]],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mut written = 0;
+    for ((starts, before), after) in tokens.iter().zip(before).zip(after) {
+        let mut order = [0, 1, 2];
+        order.sort_unstable_by_key(|&axis| starts[axis]);
+        for axis in order {
+            if before[axis].to_bits() == after[axis].to_bits() {
+                continue;
+            }
+            let start = starts[axis];
+            out.write_all(&source[written..start])?;
+            write_number(after[axis], out)?;
+            let token = Tokens::new(source, start, source.len()).next();
+            written = start + token.map_or(0, |(_, token)| token.len());
+        }
+    }
+    out.write_all(&source[written..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(source: &[u8]) -> Vec<(usize, Vec<&[u8]>)> {
+        LogicalLines::new(source).map(|(line, tokens)| (line, tokens.map(|(_, token)| token).collect())).collect()
+    }
+
+    #[test]
+    fn lines_continue_and_comments_end_them() {
+        let source = b"f 1\\\n 2 \\\r\n3\r\n# C:\\\nv 1 # x\nend\\";
+        let expected: Vec<(usize, Vec<&[u8]>)> =
+            vec![(1, vec![b"f", b"1", b"2", b"3"]), (4, vec![]), (5, vec![b"v", b"1"]), (6, vec![b"end"])];
+        assert_eq!(lines(source), expected);
+    }
+
+    #[test]
+    fn numbers_come_back_as_they_were() {
+        for value in [0.1, -0.0, 1e300, 5e-324, 123_456_789.123_456_79, f64::MAX, 1e16, -1e-5] {
+            let mut text = Vec::new();
+            write_number(value, &mut text).unwrap();
+            assert_eq!(number(&text).unwrap().to_bits(), value.to_bits(), "{}", String::from_utf8_lossy(&text));
+            assert!(text.len() < 26);
+        }
+    }
+}
