@@ -131,7 +131,7 @@ mod tests {
     }
 
     fn pair(pair_type: PairType, closed: bool, copies: std::ops::Range<usize>) -> PathPair {
-        let (loop_vertices, ends) = (vec![], vec![]);
+        let (loop_vertices, ends) = Default::default();
         PathPair { pair_type, closed, num_segments: 2, length_m: 1.0, loop_vertices, ends, copies }
     }
 

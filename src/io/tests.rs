@@ -196,7 +196,7 @@ fn bad_ply_names_what_is_wrong() {
         let at = file.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
         refusal("bad.ply", &[&file[..at], to.as_bytes(), &file[at + from.len()..]].concat())
     };
-    assert_eq!(lie("vertex 3", "vertex 18446744073709551615"), "bad.ply: ends within vertex 4");
+    assert_eq!(lie("vertex 3", "vertex 18446744073709551615"), "bad.ply: ends within vertex 3");
     assert_eq!(lie("uchar uint", "uint uint"), "bad.ply: ends within face 0");
     assert_eq!(
         lie("element face 1\r\n", "element void 99999999999\r\nelement face 1\r\n"),

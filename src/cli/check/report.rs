@@ -132,7 +132,7 @@ impl Report {
             num_segments: pair.num_segments,
             length_m: pair.length_m,
             loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
-            ends: pair.ends.clone(),
+            ends: pair.ends.to_vec(),
             copies: pair.copies.clone().map(copy_report).collect(),
         });
         let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();

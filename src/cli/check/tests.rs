@@ -7,7 +7,7 @@ fn crossing() -> (tempfile::TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let paths: Vec<PathBuf> = ["a.obj", "b.obj"].iter().map(|name| folder.path().join(name)).collect();
     fs::write(&paths[0], "v 0 0 0\nv 1 0 0.01\nv 0 1 0.02\nf 1 2 3\n").unwrap();
-    fs::write(&paths[1], "v 0.2 0.2 -1\nv 0.3 0.25 1\nv 3 3 0.1\nf 1 2 3\n").unwrap();
+    fs::write(&paths[1], "v 0.2 0.2 -1\nv 0.3 0.25 1\nv 0.25 0.4 -1\nf 1 2 3\n").unwrap();
     (folder, paths)
 }
 
