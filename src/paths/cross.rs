@@ -55,9 +55,7 @@ impl Crosses {
         self.joins.resize(num_chains, Join::Alone);
         self.candidates.clear();
         for chain in 0..num_chains {
-            if let Ends::LoopBoundary(vertex, _) = view.ends(chain)
-                && !view.mesh.is_boundary_vertex(vertex)
-            {
+            if let Ends::LoopBoundary(vertex, _) = view.ends(chain) {
                 self.candidates.push((vertex, chain));
             }
         }

@@ -10,8 +10,8 @@ use nalgebra::{Point3, Vector2};
 
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, VertexId},
-    paths::SurfacePoint,
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    paths::{PathPoint, SurfacePoint},
 };
 
 /// A face to be laid out, the nearest first.
@@ -103,20 +103,35 @@ impl Disc {
     }
 
     fn distance_to(&self, mesh: &Mesh, point: SurfacePoint) -> Option<f64> {
+        self.place_of_point(mesh, point).map(|place| place.norm())
+    }
+
+    fn place_of_point(&self, mesh: &Mesh, point: SurfacePoint) -> Option<Vector2<f64>> {
         Some(match point {
-            SurfacePoint::Vertex(vertex) => self.place_of(vertex)?.norm(),
+            SurfacePoint::Vertex(vertex) => self.place_of(vertex)?,
             SurfacePoint::Edge { edge, parameter } => {
                 let [a, b] = mesh.edge(edge);
-                self.place_of(a)?.lerp(&self.place_of(b)?, parameter).norm()
+                self.place_of(a)?.lerp(&self.place_of(b)?, parameter)
             }
             SurfacePoint::Face { face, barycentric } => {
                 let mut sum = Vector2::zeros();
                 for (corner, weight) in mesh.face(face).into_iter().zip(barycentric) {
                     sum += self.place_of(corner)? * weight;
                 }
-                sum.norm()
+                sum
             }
         })
+    }
+
+    /// The end of an edge to the left of the path where it crosses it first.
+    pub(crate) fn left_end(&self, mesh: &Mesh, points: &[PathPoint], edge: EdgeId) -> Option<VertexId> {
+        let crosses = |point: &PathPoint| matches!(point.own, SurfacePoint::Edge { edge: here, .. } if here == edge);
+        let at = points.iter().position(crosses)?;
+        let place = |index: usize| self.place_of_point(mesh, points[index].own);
+        let ahead = place((at + 1).min(points.len() - 1))? - place(at.saturating_sub(1))?;
+        let [a, b] = mesh.edge(edge);
+        let along = self.place_of(b)? - self.place_of(a)?;
+        Some(if ahead.perp(&along) > 0.0 { b } else { a })
     }
 
     /// Places the corners of a face that are not placed yet, and queues its neighbours.

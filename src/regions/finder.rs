@@ -3,12 +3,12 @@
 use super::{
     InsideRegion, InsideRegions,
     disc::Disc,
-    flood::{Flood, Separation},
+    flood::{Flood, Separation, Terms},
     side::{Scene, choose_side},
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, VertexId},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
     settings::{InsideChoice, Settings},
 };
@@ -70,9 +70,8 @@ impl RegionFinder {
         for &copy in copies {
             self.cross_edges(scene.paths, &scene.paths.copies[copy]);
         }
-        let separation = fill(&mut self.flood, scene, |_| true);
         let points = &scene.paths.points[scene.paths.copies[copies[0]].points.clone()];
-        Self::region(&mut self.flood, scene, points, separation, |_| true, regions)
+        divide(&mut self.flood, scene, points, &|_| true, &|_| None, regions)
     }
 
     /// The inside of the disc round the loop vertex of a BLI path.
@@ -92,9 +91,8 @@ impl RegionFinder {
         self.flood.begin(scene.mesh);
         self.cross_edges(scene.paths, copy);
         let disc = &self.disc;
-        let in_disc = |vertex| disc.contains(vertex);
-        let separation = fill(&mut self.flood, scene, in_disc);
-        let region = Self::region(&mut self.flood, scene, points, separation, in_disc, regions);
+        let left = |edge| disc.left_end(scene.mesh, points, edge);
+        let region = divide(&mut self.flood, scene, points, &|vertex| disc.contains(vertex), &left, regions);
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
@@ -111,34 +109,29 @@ impl RegionFinder {
             }
         }
     }
-
-    fn region(
-        flood: &mut Flood,
-        scene: &Scene<'_>,
-        points: &[PathPoint],
-        separation: Separation,
-        allowed: impl Fn(VertexId) -> bool,
-        regions: &mut InsideRegions,
-    ) -> InsideRegion {
-        let first = regions.vertices.len();
-        if separation == Separation::Two {
-            let inside = choose_side(flood, scene, points, allowed);
-            regions.vertices.extend_from_slice(flood.side(inside));
-        }
-        InsideRegion {
-            partitioning: separation == Separation::Two,
-            vertices: first..regions.vertices.len(),
-            disc_radius: None,
-        }
-    }
 }
 
-fn fill(flood: &mut Flood, scene: &Scene<'_>, allowed: impl Fn(VertexId) -> bool) -> Separation {
-    let area = |vertex| vertex_area(scene, vertex);
-    match scene.settings.inside {
-        InsideChoice::Count => flood.fill(scene.mesh, allowed, |_| 1.0, area),
-        InsideChoice::Area => flood.fill(scene.mesh, allowed, area, |_| 1.0),
+/// Fills both sides of the path that `flood` was told, and notes the inside.
+fn divide(
+    flood: &mut Flood,
+    scene: &Scene<'_>,
+    points: &[PathPoint],
+    allowed: &dyn Fn(VertexId) -> bool,
+    left: &dyn Fn(EdgeId) -> Option<VertexId>,
+    regions: &mut InsideRegions,
+) -> InsideRegion {
+    let (count, area) = (|_| 1.0, |vertex| vertex_area(scene, vertex));
+    let terms = match scene.settings.inside {
+        InsideChoice::Count => Terms { allowed, weight: &count, tie_weight: &area, left },
+        InsideChoice::Area => Terms { allowed, weight: &area, tie_weight: &count, left },
+    };
+    let first = regions.vertices.len();
+    let partitioning = flood.fill(scene.mesh, &terms) == Separation::Two;
+    if partitioning {
+        let inside = choose_side(flood, scene, points, &terms);
+        regions.vertices.extend_from_slice(flood.side(inside));
     }
+    InsideRegion { partitioning, vertices: first..regions.vertices.len(), disc_radius: None }
 }
 
 /// A third of the area of the faces round a vertex, in square metres.

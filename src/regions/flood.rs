@@ -18,6 +18,19 @@ pub(crate) enum Separation {
     Two,
 }
 
+/// What a fill asks about vertices and edges.
+pub(crate) struct Terms<'a> {
+    /// Whether a vertex belongs to the part of the cloth that is to be divided.
+    pub(crate) allowed: &'a dyn Fn(VertexId) -> bool,
+    /// How much a vertex counts: the smaller side has less of it.
+    pub(crate) weight: &'a dyn Fn(VertexId) -> f64,
+    /// What decides where both sides weigh exactly the same.
+    pub(crate) tie_weight: &'a dyn Fn(VertexId) -> f64,
+    /// The end of a crossed edge to the left of the path, if that is known: what tells the sides of parts of the path from each other
+    /// that no way inside the allowed part connects.
+    pub(crate) left: &'a dyn Fn(EdgeId) -> Option<VertexId>,
+}
+
 /// Memory of the fill; nothing is cleared between fills, a new epoch makes old marks void.
 #[derive(Debug, Default)]
 pub(crate) struct Flood {
@@ -69,53 +82,50 @@ impl Flood {
         self.crossed[edge.index()].0 == self.epoch
     }
 
-    /// Fills both sides, restricted to vertices for which `allowed` holds. The smaller side has less `weight`; where both weigh
-    /// exactly the same, less `tie_weight`.
-    pub(crate) fn fill(
-        &mut self,
-        mesh: &Mesh,
-        allowed: impl Fn(VertexId) -> bool,
-        weight: impl Fn(VertexId) -> f64,
-        tie_weight: impl Fn(VertexId) -> f64,
-    ) -> Separation {
+    /// Fills both sides.
+    pub(crate) fn fill(&mut self, mesh: &Mesh, terms: &Terms<'_>) -> Separation {
         for side in 0..2 {
             self.queues[side].clear();
             self.sides[side].clear();
         }
         self.smaller = 0;
-        let removed = std::mem::take(&mut self.removed);
-        let epoch = self.epoch;
-        let open = |vertex: VertexId| removed[vertex.index()] != epoch && allowed(vertex);
-        let separation = self.fill_open(mesh, &open, &weight);
-        self.removed = removed;
+        let separation = self.fill_open(mesh, terms);
         if separation == Separation::Two {
-            self.smaller = self.choose_smaller(&weight, &tie_weight);
+            self.smaller = self.choose_smaller(terms);
             self.sides[self.smaller].sort_unstable();
         }
         separation
     }
 
-    fn fill_open(
-        &mut self,
-        mesh: &Mesh,
-        open: &impl Fn(VertexId) -> bool,
-        weight: &impl Fn(VertexId) -> f64,
-    ) -> Separation {
+    fn is_open(&self, vertex: VertexId, terms: &Terms<'_>) -> bool {
+        self.removed[vertex.index()] != self.epoch && (terms.allowed)(vertex)
+    }
+
+    fn fill_open(&mut self, mesh: &Mesh, terms: &Terms<'_>) -> Separation {
         // An edge crossed an even number of times was pushed once for each odd count on the way.
-        self.odd_edges.sort_unstable();
-        self.odd_edges.dedup();
-        let (epoch, crossed) = (self.epoch, &self.crossed);
-        self.odd_edges.retain(|edge| crossed[edge.index()].0 == epoch && mesh.edge(*edge).into_iter().all(open));
-        let Some(&seed) = self.odd_edges.first() else {
+        let mut odd_edges = std::mem::take(&mut self.odd_edges);
+        odd_edges.sort_unstable();
+        odd_edges.dedup();
+        odd_edges.retain(|&edge| {
+            self.is_crossed(edge) && mesh.edge(edge).into_iter().all(|vertex| self.is_open(vertex, terms))
+        });
+        let separation = self.fill_from(mesh, terms, &odd_edges);
+        self.odd_edges = odd_edges;
+        separation
+    }
+
+    fn fill_from(&mut self, mesh: &Mesh, terms: &Terms<'_>, odd_edges: &[EdgeId]) -> Separation {
+        let Some(&seed) = odd_edges.first() else {
             // Nothing to tell apart: a region without vertices.
             return Separation::Two;
         };
-        let mut unseen = self.odd_edges.len();
+        let mut unseen = odd_edges.len();
         let mut weights = [0.0; 2];
         for (side, vertex) in mesh.edge(seed).into_iter().enumerate() {
             self.push(side, vertex);
-            weights[side] += weight(vertex);
+            weights[side] += (terms.weight)(vertex);
         }
+        let left_side = (terms.left)(seed).map(|left| usize::from(mesh.edge(seed)[1] == left));
         loop {
             let exhausted = [0, 1].map(|side: usize| self.queues[side].is_empty());
             let done = |side: usize| exhausted[side] && (exhausted[1 - side] || weights[1 - side] > weights[side]);
@@ -123,14 +133,22 @@ impl Flood {
                 break;
             }
             if exhausted == [true; 2] {
-                // Parts of the path that no way inside the allowed vertices connects.
-                return Separation::None;
+                // A part of the path that no way inside the allowed vertices connects with the others.
+                let next = odd_edges.iter().find(|edge| !self.crossed[edge.index()].1);
+                let known = next.and_then(|&edge| Some((edge, (terms.left)(edge)?, left_side?)));
+                let Some((edge, left, left_side)) = known else { return Separation::None };
+                for vertex in mesh.edge(edge) {
+                    let side = if vertex == left { left_side } else { 1 - left_side };
+                    self.push(side, vertex);
+                    weights[side] += (terms.weight)(vertex);
+                }
+                continue;
             }
             let side = if exhausted[0] || (!exhausted[1] && weights[1] < weights[0]) { 1 } else { 0 };
             let Some(vertex) = self.queues[side].pop_front() else { unreachable!("not both are exhausted") };
             for &edge in mesh.vertex_edges(vertex) {
                 let neighbour = mesh.opposite_vertex(edge, vertex);
-                if !open(neighbour) {
+                if !self.is_open(neighbour, terms) {
                     continue;
                 }
                 let across = self.is_crossed(edge);
@@ -143,7 +161,7 @@ impl Flood {
                     Some(_) => {}
                     None => {
                         self.push(wanted, neighbour);
-                        weights[wanted] += weight(neighbour);
+                        weights[wanted] += (terms.weight)(neighbour);
                     }
                 }
             }
@@ -153,13 +171,12 @@ impl Flood {
 
     /// Goes on until the other side is complete too. To be called only after a fill that separated: then no conflict can
     /// come up any more.
-    pub(crate) fn complete(&mut self, mesh: &Mesh, allowed: impl Fn(VertexId) -> bool) {
+    pub(crate) fn complete(&mut self, mesh: &Mesh, terms: &Terms<'_>) {
         for side in 0..2 {
             while let Some(vertex) = self.queues[side].pop_front() {
                 for &edge in mesh.vertex_edges(vertex) {
                     let neighbour = mesh.opposite_vertex(edge, vertex);
-                    let open = self.removed[neighbour.index()] != self.epoch && allowed(neighbour);
-                    if open && self.side_of(neighbour).is_none() {
+                    if self.is_open(neighbour, terms) && self.side_of(neighbour).is_none() {
                         let wanted = if self.is_crossed(edge) { 1 - side } else { side };
                         self.push(wanted, neighbour);
                     }
@@ -169,14 +186,14 @@ impl Flood {
         self.sides.iter_mut().for_each(|side| side.sort_unstable());
     }
 
-    fn choose_smaller(&self, weight: &impl Fn(VertexId) -> f64, tie_weight: &impl Fn(VertexId) -> f64) -> usize {
+    fn choose_smaller(&self, terms: &Terms<'_>) -> usize {
         let total = |side: usize, weight: &dyn Fn(VertexId) -> f64| -> f64 {
             self.sides[side].iter().map(|&vertex| weight(vertex)).sum()
         };
         let lowest = |side: usize| self.sides[side].iter().min();
-        let order = total(0, weight).total_cmp(&total(1, weight));
+        let order = total(0, terms.weight).total_cmp(&total(1, terms.weight));
         // The fill ran to the end of both sides if they weigh the same.
-        let order = order.then_with(|| total(0, tie_weight).total_cmp(&total(1, tie_weight)));
+        let order = order.then_with(|| total(0, terms.tie_weight).total_cmp(&total(1, terms.tie_weight)));
         usize::from(order.then_with(|| lowest(0).cmp(&lowest(1))).is_gt())
     }
 
@@ -208,6 +225,8 @@ mod tests {
     use super::*;
     use crate::mesh::MeshDescription;
 
+    const ALL: Terms<'_> = Terms { allowed: &|_| true, weight: &|_| 1.0, tie_weight: &|_| 0.0, left: &|_| None };
+
     /// A strip of `n` quads, two vertices a column.
     fn strip(n: u32) -> Mesh {
         let faces = (0..n).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 2], [2 * i + 2, 2 * i + 1, 2 * i + 3]]).collect();
@@ -226,7 +245,7 @@ mod tests {
         for (a, b) in [(4, 6), (5, 6), (5, 7)] {
             flood.cross(edge(&mesh, a, b));
         }
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
         assert_eq!(flood.side(flood.smaller()), [0, 1, 2, 3, 4, 5].map(VertexId));
         // The larger side was left alone.
         assert!(flood.sides[1 - flood.smaller].len() < 16);
@@ -240,14 +259,14 @@ mod tests {
         for _ in 0..2 {
             flood.cross(edge(&mesh, 4, 6));
         }
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
         assert!(flood.side(flood.smaller()).is_empty());
         flood.begin(&mesh);
         for _ in 0..3 {
             flood.cross(edge(&mesh, 4, 6));
         }
         // One edge alone does not separate.
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::None);
+        assert_eq!(flood.fill(&mesh, &ALL), Separation::None);
     }
 
     #[test]
@@ -258,7 +277,7 @@ mod tests {
         flood.remove(VertexId(4));
         flood.cross(edge(&mesh, 5, 7));
         flood.cross(edge(&mesh, 5, 6));
-        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
         assert_eq!(flood.side(flood.smaller()), [6, 7, 8, 9].map(VertexId));
     }
 }

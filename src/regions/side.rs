@@ -1,6 +1,9 @@
 //! Which of the two sides of a path is inside, where something says more than their sizes.
 
-use super::{flood::Flood, winding::winding_number};
+use super::{
+    flood::{Flood, Terms},
+    winding::winding_number,
+};
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
@@ -20,12 +23,7 @@ pub(crate) struct Scene<'a> {
 
 /// The inside after a fill that separated: by layers, by winding numbers, by pins, or else the smaller side. Its vertices are then
 /// complete in `flood`.
-pub(crate) fn choose_side(
-    flood: &mut Flood,
-    scene: &Scene<'_>,
-    points: &[PathPoint],
-    allowed: impl Fn(VertexId) -> bool,
-) -> usize {
+pub(crate) fn choose_side(flood: &mut Flood, scene: &Scene<'_>, points: &[PathPoint], terms: &Terms<'_>) -> usize {
     let Settings { layer_order, winding, pinned_outside, .. } = *scene.settings;
     let mut choice = None;
     if layer_order && let Some(layers) = scene.mesh.layers() {
@@ -35,12 +33,12 @@ pub(crate) fn choose_side(
         choice = by_winding(flood, scene);
     }
     if pinned_outside && choice.is_none() {
-        flood.complete(scene.mesh, &allowed);
+        flood.complete(scene.mesh, terms);
         choice = by_pins(flood, scene.mesh);
     }
     let inside = choice.unwrap_or(flood.smaller());
     if inside != flood.smaller() {
-        flood.complete(scene.mesh, &allowed);
+        flood.complete(scene.mesh, terms);
     }
     inside
 }
