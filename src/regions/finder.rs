@@ -8,8 +8,8 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, VertexId},
-    paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    paths::{IntersectionPaths, PathCopy, PathPoint, PathSegment, PathType, SurfacePoint},
     settings::{InsideChoice, Settings},
 };
 
@@ -68,7 +68,7 @@ impl RegionFinder {
     fn partition(&mut self, scene: &Scene<'_>, copies: &[usize], regions: &mut InsideRegions) -> InsideRegion {
         self.flood.begin(scene.mesh);
         for &copy in copies {
-            self.cross_edges(scene.paths, &scene.paths.copies[copy]);
+            self.cross_edges(scene.mesh, scene.paths, &scene.paths.copies[copy]);
         }
         let separation = fill(&mut self.flood, scene, |_| true);
         let points = &scene.paths.points[scene.paths.copies[copies[0]].points.clone()];
@@ -90,7 +90,7 @@ impl RegionFinder {
             return InsideRegion::default();
         };
         self.flood.begin(scene.mesh);
-        self.cross_edges(scene.paths, copy);
+        self.cross_edges(scene.mesh, scene.paths, copy);
         let disc = &self.disc;
         let in_disc = |vertex| disc.contains(vertex);
         let separation = fill(&mut self.flood, scene, in_disc);
@@ -99,13 +99,14 @@ impl RegionFinder {
     }
 
     /// Tells the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path separates.
-    fn cross_edges(&mut self, paths: &IntersectionPaths, copy: &PathCopy) {
+    fn cross_edges(&mut self, mesh: &Mesh, paths: &IntersectionPaths, copy: &PathCopy) {
         let points = &paths.points[copy.points.clone()];
         // A closed path repeats its first point at the end.
         let points = if copy.closed { &points[..points.len() - 1] } else { points };
-        for point in points {
+        let segments = &paths.segments[copy.segments.clone()];
+        for (at, point) in points.iter().enumerate() {
             match point.own {
-                SurfacePoint::Edge { edge, .. } => self.flood.cross(edge),
+                SurfacePoint::Edge { edge, .. } => self.flood.cross(edge, left_end(mesh, edge, segments, at)),
                 SurfacePoint::Vertex(vertex) => self.flood.remove(vertex),
                 SurfacePoint::Face { .. } => {}
             }
@@ -131,6 +132,18 @@ impl RegionFinder {
             disc_radius: None,
         }
     }
+}
+
+/// The end of an edge on the left of a path whose point `at` lies on it, as the face says that the path enters there, or leaves at its
+/// last point.
+fn left_end(mesh: &Mesh, edge: EdgeId, segments: &[PathSegment], at: usize) -> VertexId {
+    let enters = at < segments.len();
+    let face = segments[if enters { at } else { segments.len() - 1 }].own;
+    let [first, second] = mesh.edge(edge);
+    let corners = mesh.face(face);
+    // Counter-clockwise, an edge has its face on the left: who comes in over it has its first vertex on the left.
+    let runs_forward = (0..3).any(|corner| corners[corner] == first && corners[(corner + 1) % 3] == second);
+    if runs_forward == enters { first } else { second }
 }
 
 fn fill(flood: &mut Flood, scene: &Scene<'_>, allowed: impl Fn(VertexId) -> bool) -> Separation {

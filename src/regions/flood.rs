@@ -31,7 +31,8 @@ pub(crate) struct Flood {
     queues: [VecDeque<VertexId>; 2],
     sides: [Vec<VertexId>; 2],
     smaller: usize,
-    odd_edges: Vec<EdgeId>,
+    /// Crossed edges, each with its end on the left of the path.
+    odd_edges: Vec<(EdgeId, VertexId)>,
 }
 
 impl Flood {
@@ -49,14 +50,14 @@ impl Flood {
         self.odd_edges.clear();
     }
 
-    /// The path crosses this edge once more.
-    pub(crate) fn cross(&mut self, edge: EdgeId) {
+    /// The path crosses this edge once more, with the end `left` on its left.
+    pub(crate) fn cross(&mut self, edge: EdgeId, left: VertexId) {
         let slot = &mut self.crossed[edge.index()];
         if slot.0 == self.epoch {
             slot.0 = 0;
         } else {
             *slot = (self.epoch, false);
-            self.odd_edges.push(edge);
+            self.odd_edges.push((edge, left));
         }
     }
 
@@ -103,19 +104,12 @@ impl Flood {
     ) -> Separation {
         // An edge crossed an even number of times was pushed once for each odd count on the way.
         self.odd_edges.sort_unstable();
-        self.odd_edges.dedup();
+        self.odd_edges.dedup_by_key(|(edge, _)| *edge);
         let (epoch, crossed) = (self.epoch, &self.crossed);
-        self.odd_edges.retain(|edge| crossed[edge.index()].0 == epoch && mesh.edge(*edge).into_iter().all(open));
-        let Some(&seed) = self.odd_edges.first() else {
-            // Nothing to tell apart: a region without vertices.
-            return Separation::Two;
-        };
+        self.odd_edges.retain(|(edge, _)| crossed[edge.index()].0 == epoch && mesh.edge(*edge).into_iter().all(open));
         let mut unseen = self.odd_edges.len();
         let mut weights = [0.0; 2];
-        for (side, vertex) in mesh.edge(seed).into_iter().enumerate() {
-            self.push(side, vertex);
-            weights[side] += weight(vertex);
-        }
+        let mut seeds = 0;
         loop {
             let exhausted = [0, 1].map(|side: usize| self.queues[side].is_empty());
             let done = |side: usize| exhausted[side] && (exhausted[1 - side] || weights[1 - side] > weights[side]);
@@ -123,8 +117,17 @@ impl Flood {
                 break;
             }
             if exhausted == [true; 2] {
-                // Parts of the path that no way inside the allowed vertices connects.
-                return Separation::None;
+                // The first part, or another one that no way over allowed vertices connects with those before, as in a small disc
+                // whose centre is taken out: what is left of the path stays left of it.
+                let (edge, left) = self.odd_edges[seeds];
+                seeds += 1;
+                if !self.crossed[edge.index()].1 {
+                    for (side, vertex) in [left, mesh.opposite_vertex(edge, left)].into_iter().enumerate() {
+                        self.push(side, vertex);
+                        weights[side] += weight(vertex);
+                    }
+                }
+                continue;
             }
             let side = if exhausted[0] || (!exhausted[1] && weights[1] < weights[0]) { 1 } else { 0 };
             let Some(vertex) = self.queues[side].pop_front() else { unreachable!("not both are exhausted") };
@@ -224,7 +227,7 @@ mod tests {
         let mut flood = Flood::default();
         flood.begin(&mesh);
         for (a, b) in [(4, 6), (5, 6), (5, 7)] {
-            flood.cross(edge(&mesh, a, b));
+            flood.cross(edge(&mesh, a, b), VertexId(a));
         }
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert_eq!(flood.side(flood.smaller()), [0, 1, 2, 3, 4, 5].map(VertexId));
@@ -238,13 +241,13 @@ mod tests {
         let mut flood = Flood::default();
         flood.begin(&mesh);
         for _ in 0..2 {
-            flood.cross(edge(&mesh, 4, 6));
+            flood.cross(edge(&mesh, 4, 6), VertexId(4));
         }
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert!(flood.side(flood.smaller()).is_empty());
         flood.begin(&mesh);
         for _ in 0..3 {
-            flood.cross(edge(&mesh, 4, 6));
+            flood.cross(edge(&mesh, 4, 6), VertexId(4));
         }
         // One edge alone does not separate.
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::None);
@@ -256,9 +259,25 @@ mod tests {
         let mut flood = Flood::default();
         flood.begin(&mesh);
         flood.remove(VertexId(4));
-        flood.cross(edge(&mesh, 5, 7));
-        flood.cross(edge(&mesh, 5, 6));
+        flood.cross(edge(&mesh, 5, 7), VertexId(5));
+        flood.cross(edge(&mesh, 5, 6), VertexId(5));
         assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
         assert_eq!(flood.side(flood.smaller()), [6, 7, 8, 9].map(VertexId));
+    }
+
+    #[test]
+    fn parts_without_connection_are_told_apart_by_left_and_right() {
+        let mesh = strip(8);
+        let mut flood = Flood::default();
+        flood.begin(&mesh);
+        // Two ends of the strip, cut off from each other, one with its first vertex on the left, one with its second.
+        for vertex in 6..12 {
+            flood.remove(VertexId(vertex));
+        }
+        for (a, b, left) in [(0, 2, 2), (1, 2, 2), (1, 3, 3), (12, 14, 12), (13, 14, 13), (13, 15, 13)] {
+            flood.cross(edge(&mesh, a, b), VertexId(left));
+        }
+        assert_eq!(flood.fill(&mesh, |_| true, |_| 1.0, |_| 0.0), Separation::Two);
+        assert_eq!(flood.side(flood.smaller()), [0, 1, 14, 15, 16, 17].map(VertexId));
     }
 }

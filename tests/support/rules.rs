@@ -142,15 +142,7 @@ fn regions_are_bounded_by_their_paths(mesh: &Mesh, analysis: &Analysis) {
         let region = regions.by_copy[at].as_ref();
         assert_eq!(region.is_some(), has_region);
         let Some(region) = region else { continue };
-        if !region.partitioning {
-            println!(
-                "XXX copy {at} ({:?}) does not separate {} pts {} faces ",
-                copy.path_type,
-                copy.points.len(),
-                mesh.num_faces()
-            );
-            continue;
-        }
+        assert!(region.partitioning, "copy {at} ({:?}) does not separate", copy.path_type);
         let inside: BTreeSet<VertexId> = regions.vertices_of(at).iter().copied().collect();
         assert!(regions.vertices_of(at).is_sorted());
         let points = &paths.points[copy.points.clone()];
