@@ -15,7 +15,7 @@ fn site(frame: &Frame, vertex: VertexId) -> Site {
 /// All pairs of an edge and a face that it pierces and shares no vertex with, in order.
 ///
 /// Edge `pq` pierces face `abc` when `p` and `q` lie on different sides of `abc` and the three signs of `pq` against `ab`, `bc`, `ca` agree.
-pub fn edge_face_intersections(mesh: &Mesh, frame: &Frame) -> Vec<(EdgeId, FaceId)> {
+pub(crate) fn edge_face_intersections(mesh: &Mesh, frame: &Frame) -> Vec<(EdgeId, FaceId)> {
     let mut found = Vec::new();
     let mut sides = vec![Side::Above; mesh.num_vertices()];
     for face in mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()) {
@@ -41,7 +41,7 @@ pub fn edge_face_intersections(mesh: &Mesh, frame: &Frame) -> Vec<(EdgeId, FaceI
 }
 
 /// All intersecting pairs of faces with the number of edge-face intersections between them, in order.
-pub fn face_pairs(mesh: &Mesh, edge_face: &[(EdgeId, FaceId)]) -> BTreeMap<[FaceId; 2], usize> {
+pub(crate) fn face_pairs(mesh: &Mesh, edge_face: &[(EdgeId, FaceId)]) -> BTreeMap<[FaceId; 2], usize> {
     let mut pairs = BTreeMap::new();
     for &(edge, face) in edge_face {
         for &owner in mesh.edge_faces(edge) {

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
-pub mod brute;
-pub mod rules;
-pub mod sheet;
-pub mod summary;
+pub(crate) mod brute;
+pub(crate) mod rules;
+pub(crate) mod sheet;
+pub(crate) mod summary;

@@ -12,7 +12,7 @@ use untangled::{
 };
 
 /// Checks all rules for one analysis; `size` is the extent of the cloth in metres.
-pub fn check(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
+pub(crate) fn check(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
     segments(mesh, analysis);
     every_segment_lies_on_one_path(analysis);
     points_touch_both_sheets(mesh, frame, analysis, 1e-9 * size);

@@ -10,22 +10,22 @@ use untangled::{
 
 /// A sheet as a caller would hand it over.
 #[derive(Clone)]
-pub struct Sheet {
-    pub faces: Vec<[u32; 3]>,
+pub(crate) struct Sheet {
+    pub(crate) faces: Vec<[u32; 3]>,
     /// One for each vertex.
-    pub uvs: Vec<[f64; 2]>,
-    pub positions: Vec<[f64; 3]>,
+    pub(crate) uvs: Vec<[f64; 2]>,
+    pub(crate) positions: Vec<[f64; 3]>,
 }
 
 impl Sheet {
-    pub fn mesh(&self) -> Mesh {
+    pub(crate) fn mesh(&self) -> Mesh {
         let uvs = Some(Uvs { coordinates: self.uvs.clone(), corners: self.faces.clone() });
         let description =
             MeshDescription { num_vertices: self.uvs.len(), faces: self.faces.clone(), uvs, ..Default::default() };
         Mesh::new(description).unwrap()
     }
 
-    pub fn frame(&self, mesh: &Mesh) -> Frame {
+    pub(crate) fn frame(&self, mesh: &Mesh) -> Frame {
         Frame::new(mesh, &self.positions).unwrap()
     }
 }
@@ -39,7 +39,7 @@ struct Wave {
 
 /// A sheet of `resolution x resolution` squares of side 1 / `resolution` metres that has just begun to intersect itself, or somewhat later.
 /// The same seed gives the same sheet.
-pub fn crumpled(seed: u64, resolution: u32) -> Sheet {
+pub(crate) fn crumpled(seed: u64, resolution: u32) -> Sheet {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (faces, uvs) = grid(resolution, &mut rng);
     let waves: Vec<Wave> = (0..6)
@@ -94,16 +94,16 @@ fn displaced([u, v]: [f64; 2], waves: &[Wave], amplitude: f64) -> [f64; 3] {
 }
 
 /// The same sheet under other names.
-pub struct Relabelled {
-    pub sheet: Sheet,
+pub(crate) struct Relabelled {
+    pub(crate) sheet: Sheet,
     /// New name of each old vertex.
-    pub vertex: Vec<u32>,
+    pub(crate) vertex: Vec<u32>,
     /// New name of each old face.
-    pub face: Vec<u32>,
+    pub(crate) face: Vec<u32>,
 }
 
 /// Permutes vertices and faces, rotates corners, and turns all faces over if asked to.
-pub fn relabelled(sheet: &Sheet, seed: u64, turn_over: bool) -> Relabelled {
+pub(crate) fn relabelled(sheet: &Sheet, seed: u64, turn_over: bool) -> Relabelled {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut permutation = |count: usize| {
         let mut names: Vec<u32> = (0..u32::try_from(count).unwrap()).collect();

@@ -6,15 +6,20 @@ use untangled::{analysis::Analysis, mesh::Mesh, paths::PairType};
 
 /// Everything that a relabelling or a motion leaves alone, in old names.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Summary {
-    pub edge_face: BTreeSet<([u32; 2], u32)>,
-    pub face_pairs: BTreeSet<[u32; 2]>,
+pub(crate) struct Summary {
+    pub(crate) edge_face: BTreeSet<([u32; 2], u32)>,
+    pub(crate) face_pairs: BTreeSet<[u32; 2]>,
     /// Type, number of face pairs, loop vertices and inside sets of each pair of paths, sorted.
-    pub pairs: Vec<(PairType, usize, BTreeSet<u32>, Vec<BTreeSet<u32>>)>,
+    pub(crate) pairs: Vec<(PairType, usize, BTreeSet<u32>, Vec<BTreeSet<u32>>)>,
 }
 
 /// The summary of an analysis whose vertices and faces have these old names.
-pub fn summary(mesh: &Mesh, analysis: &Analysis, vertex: impl Fn(u32) -> u32, face: impl Fn(u32) -> u32) -> Summary {
+pub(crate) fn summary(
+    mesh: &Mesh,
+    analysis: &Analysis,
+    vertex: impl Fn(u32) -> u32,
+    face: impl Fn(u32) -> u32,
+) -> Summary {
     let Analysis { intersections, paths, regions } = analysis;
     let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut pairs: Vec<_> = paths
