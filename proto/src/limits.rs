@@ -19,6 +19,11 @@ pub const MAX_SECTIONS: usize = 32;
 /// Longest settings document in bytes.
 pub const MAX_SETTINGS_BYTES: usize = 1 << 20;
 
+/// Shortest step of a frame in seconds.
+pub const MIN_DT_S: f64 = 1e-9;
+/// Longest step of a frame in seconds.
+pub const MAX_DT_S: f64 = 1e9;
+
 /// Frames that wait for the daemon: the newest only.
 pub const STATE_BUFFER: usize = 1;
 /// States that the daemon holds at a time.

@@ -11,7 +11,7 @@ pub struct StateHeader {
     pub frame: u64,
     /// Simulated time in seconds; finite.
     pub simulated_s: f64,
-    /// Length of the step that the correction will be applied in, in seconds; finite and positive.
+    /// Length of the step that the correction will be applied in, in seconds, from 1e-9 to 1e9.
     pub dt_s: f64,
     /// Number of positions, as registered.
     pub num_vertices: u32,
