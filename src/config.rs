@@ -15,7 +15,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// Flags that choose or change the configuration.
 #[derive(Clone, Debug, Default, Args)]
-pub struct ConfigArgs {
+pub struct ConfigFlags {
     /// Name of the domain: daemons and clients of different domains never meet.
     #[arg(long, value_name = "NAME")]
     pub domain: Option<String>,
@@ -131,7 +131,7 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError`], naming the key and where its value came from.
-    pub fn load(args: &ConfigArgs) -> Result<Self, ConfigError> {
+    pub fn load(args: &ConfigFlags) -> Result<Self, ConfigError> {
         let mut layers = Figment::from(Serialized::defaults(Self::default()));
         if let Some(path) = &args.config {
             // Read here, so that a missing file is an error and not an empty layer.

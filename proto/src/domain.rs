@@ -134,15 +134,25 @@ impl Domain {
         self.root.with_extension("lock")
     }
 
-    /// Makes the root folder where it is missing, and checks that it is ours alone.
+    /// Makes the root folder where it is missing, and checks that it is ours alone: the daemon's part.
     ///
     /// # Errors
     /// [`DomainError::Folder`] and [`DomainError::Foreign`].
     pub fn create_folders(&self) -> Result<(), DomainError> {
+        let mut builder = std::fs::DirBuilder::new();
+        builder.recursive(true).mode(0o700);
+        builder.create(&self.root).map_err(|source| DomainError::Folder { path: self.root.clone(), source })?;
+        self.check_folders()
+    }
+
+    /// Checks that the root folder is there, and ours alone.
+    ///
+    /// # Errors
+    /// [`DomainError::Folder`] and [`DomainError::Foreign`].
+    pub fn check_folders(&self) -> Result<(), DomainError> {
         let base = self.root.parent().unwrap_or(&self.root);
         for path in [base, &self.root] {
             let failed = |source| DomainError::Folder { path: path.to_owned(), source };
-            std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
             // Not following links: in a shared /tmp somebody else could have put one there.
             let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
             let (uid, owner, mode) = (rustix::process::getuid().as_raw(), metadata.uid(), metadata.mode() & 0o777);

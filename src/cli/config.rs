@@ -9,7 +9,7 @@ use super::{CliError, Outcome};
 #[derive(Debug, Args)]
 pub(super) struct ConfigArgs {
     #[command(flatten)]
-    config: config::ConfigArgs,
+    config: config::ConfigFlags,
 }
 
 pub(super) fn run(args: &ConfigArgs) -> Result<Outcome, CliError> {

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use crate::{
-    config::{Config, ConfigArgs, Telemetry},
+    config::{Config, ConfigFlags, Telemetry},
     service::{self, ServeOptions, Shutdown},
     telemetry,
 };
@@ -13,7 +13,7 @@ use super::{CliError, Outcome};
 #[derive(Debug, Args)]
 pub(super) struct ServeArgs {
     #[command(flatten)]
-    config: ConfigArgs,
+    config: ConfigFlags,
     /// What to log, as in `info` or `untangled=debug` (a span per frame with the times of its stages).
     #[arg(long, value_name = "FILTER")]
     log: Option<String>,

@@ -68,7 +68,6 @@ impl Client {
         // iceoryx2 reports many things that are handled here; whoever wants them sets IOX2_LOG_LEVEL.
         set_log_level_from_env_or(LogLevel::Fatal);
         let domain = Domain::locate(options.domain.as_deref())?;
-        domain.create_folders()?;
         let config = domain.config()?;
         let deadline = Instant::now() + options.timeout;
         let mut shared = loop {
@@ -119,6 +118,11 @@ impl Client {
 impl Shared {
     fn open(domain: &Domain, config: &iceoryx2::config::Config, timeout: Duration) -> Result<Self, ConnectError> {
         let no_daemon = || RequestError::NoDaemon { domain: domain.name().to_owned() };
+        // Without a daemon there is no folder, and a client leaves none behind.
+        if !domain.root().exists() {
+            return Err(no_daemon().into());
+        }
+        domain.check_folders()?;
         let node = NodeBuilder::new()
             .config(config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
