@@ -30,4 +30,10 @@ pub mod io;
 pub mod service;
 
 #[cfg(feature = "daemon")]
+pub mod config;
+
+#[cfg(feature = "daemon")]
+pub mod telemetry;
+
+#[cfg(feature = "daemon")]
 pub mod cli;

@@ -1,3 +1,7 @@
 //! The `untangled` binary.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    untangled::cli::main()
+}

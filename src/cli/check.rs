@@ -8,7 +8,6 @@ use std::{
     fs::{self, File},
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
-    process::ExitCode,
     time::Instant,
 };
 
@@ -18,6 +17,7 @@ pub use report::Report;
 
 use crate::{
     analysis::{Analyser, Analysis, Stage, StageObserver},
+    cli::Outcome,
     frame::{Frame, FrameError},
     io::{FileFormat, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj, write_contours_ply},
     mesh::{Mesh, MeshError},
@@ -94,7 +94,7 @@ pub enum CheckError {
 ///
 /// # Errors
 /// [`CheckError`]; one line, exit code 2.
-pub fn run(args: &CheckArgs) -> Result<ExitCode, CheckError> {
+pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
     let (report, analysis) = check(&args.files, args.face_pairs)?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
@@ -106,7 +106,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, CheckError> {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(CheckError::Write { path: "standard output".into(), source: error })
         }
-        _ => Ok(ExitCode::from(u8::from(report.num_face_pairs > 0))),
+        _ if report.num_face_pairs > 0 => Ok(Outcome::Remaining),
+        _ => Ok(Outcome::Clean),
     }
 }
 

@@ -1,3 +1,73 @@
-//! Subcommands.
+//! Subcommands: what a user types, and the exit codes that scripts rely on.
 
 pub mod check;
+mod config;
+mod serve;
+mod status;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// How a command ended; errors end with exit code 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done and clean: exit code 0.
+    Clean,
+    /// Done, but intersections remain, or a certificate could not be given: exit code 1.
+    Remaining,
+}
+
+/// Any error of a command: printed as one line, then exit code 2.
+pub type CliError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or on files.
+///
+/// Exit codes: 0 done and clean, 1 done but intersections remain, 2 bad usage, bad input or another error.
+#[derive(Debug, Parser)]
+#[command(name = "untangled", version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the daemon until SIGINT or SIGTERM; prints `ready` on standard error when it serves.
+    Serve(serve::ServeArgs),
+    /// Say what a running daemon does: sessions, frames, rates, stage times.
+    Status(status::StatusArgs),
+    /// Print the effective configuration, each key explained.
+    Config(config::ConfigArgs),
+    Check(check::CheckArgs),
+    // `demo` and the hidden `publish` go here.
+}
+
+/// Runs the command line of this process.
+#[must_use]
+pub fn main() -> ExitCode {
+    // A usage error ends with exit code 2 and the usage, help and version with 0.
+    let result = match Cli::parse().command {
+        Command::Serve(args) => serve::run(&args),
+        Command::Status(args) => status::run(&args),
+        Command::Config(args) => config::run(&args),
+        Command::Check(args) => check::run(&args).map_err(Into::into),
+    };
+    match result {
+        Ok(Outcome::Clean) => ExitCode::SUCCESS,
+        Ok(Outcome::Remaining) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("untangled: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints to standard output; a reader that has closed its end is not an error.
+fn print(text: &str) -> Result<(), CliError> {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}

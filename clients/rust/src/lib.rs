@@ -1,1 +1,45 @@
 //! What a host links to talk to the untangled daemon.
+//!
+//! ```no_run
+//! use std::time::Duration;
+//! use untangled_client::{Client, ClientOptions, Registration, StepTime, flags};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let client = Client::connect(ClientOptions::default())?;
+//! let mut session = client.register(Registration {
+//!     num_vertices: 3,
+//!     triangles: vec![[0, 1, 2]],
+//!     ..Registration::default()
+//! })?;
+//! let mut cloth = vec![[0.0f32; 3]; 3];
+//! let step = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
+//! let correction = session.exchange(step, Duration::from_millis(50), |positions| positions.copy_from_slice(&cloth))?;
+//! for (position, vertex) in cloth.iter_mut().zip(correction.vertices()) {
+//!     for (x, dx) in position.iter_mut().zip(vertex.value) {
+//!         *x += dx; // the default kind of correction is a displacement in metres
+//!     }
+//!     let _self_collision_off_here = vertex.flags & flags::MASK != 0;
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Nothing here installs signal handlers, starts threads, or blocks beyond a deadline that the caller gave. A daemon that died
+//! or was restarted is noticed, and the session registers again by itself at its next call: see [`Session`].
+
+mod client;
+mod correction;
+mod error;
+mod link;
+mod registration;
+mod request;
+mod session;
+
+pub use client::{Client, ClientOptions};
+pub use correction::Correction;
+pub use error::{
+    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
+};
+pub use registration::{Registration, Uvs};
+pub use session::{Session, StepTime};
+pub use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type};

@@ -1,0 +1,50 @@
+//! A correction, read where the daemon wrote it.
+
+use iceoryx2::sample::Sample;
+use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, services::Ipc};
+
+use crate::error::FrameRefusal;
+
+pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHeader>;
+
+/// The correction of one frame. It stays in shared memory and readable until it is dropped, whatever becomes of the daemon; a
+/// session can hold [`CORRECTION_BORROWED`](untangled_proto::limits::CORRECTION_BORROWED) of them less one.
+#[derive(Debug)]
+pub struct Correction {
+    header: CorrectionHeader,
+    sample: CorrectionSample,
+}
+
+impl Correction {
+    /// A sample as a correction, if the daemon could use the frame.
+    pub(crate) fn new(sample: CorrectionSample) -> Result<Self, FrameRefusal> {
+        let header = *sample.user_header();
+        if header.status == Status::Ok.code() {
+            return Ok(Self { header, sample });
+        }
+        Err(FrameRefusal {
+            frame: header.frame,
+            status: Status::from_code(header.status).unwrap_or(Status::Internal),
+            fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
+            fault_value: header.fault_value,
+        })
+    }
+
+    /// The frame that it is for.
+    #[must_use]
+    pub fn frame(&self) -> u64 {
+        self.header.frame
+    }
+
+    /// Counts, times and what is left over.
+    #[must_use]
+    pub fn header(&self) -> &CorrectionHeader {
+        &self.header
+    }
+
+    /// Value and flags of each vertex, `num_vertices`.
+    #[must_use]
+    pub fn vertices(&self) -> &[VertexCorrection] {
+        self.sample.payload()
+    }
+}

@@ -1,0 +1,174 @@
+//! One error for each thing that a host does.
+
+use std::time::Duration;
+
+use thiserror::Error;
+use untangled_proto::{DomainError, Status};
+
+/// Why a request to the daemon came to nothing.
+#[derive(Clone, Debug, Error)]
+pub enum RequestError {
+    /// No daemon serves the domain.
+    #[error("no untangled daemon serves domain `{domain}`")]
+    NoDaemon {
+        /// The domain.
+        domain: String,
+    },
+    /// The daemon did not answer in time.
+    #[error("the untangled daemon of domain `{domain}` did not answer within {waited:?}")]
+    Timeout {
+        /// The domain.
+        domain: String,
+        /// How long it was given.
+        waited: Duration,
+    },
+    /// The daemon refused.
+    #[error("the untangled daemon refused ({status:?}): {message}")]
+    Refused {
+        /// Why, for programs.
+        status: Status,
+        /// Why, in words: element and value at fault.
+        message: String,
+    },
+    /// Shared memory is too full for the samples.
+    #[error("shared memory has {free} bytes free, {needed} are needed")]
+    NotEnoughMemory {
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes free.
+        free: u64,
+    },
+    /// The transport failed.
+    #[error("{what}: {reason}")]
+    Transport {
+        /// What was tried.
+        what: &'static str,
+        /// What iceoryx2 says.
+        reason: String,
+    },
+}
+
+impl RequestError {
+    pub(crate) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
+        Self::Transport { what, reason: format!("{reason:?}") }
+    }
+}
+
+/// Why a client could not connect.
+#[derive(Debug, Error)]
+pub enum ConnectError {
+    /// The domain can't be used.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+    /// The daemon runs another version of iceoryx2 or of the protocol.
+    #[error("the untangled daemon of domain `{domain}` and this client don't fit together: {reason}")]
+    Version {
+        /// The domain.
+        domain: String,
+        /// Which versions.
+        reason: String,
+    },
+    /// The handshake failed.
+    #[error(transparent)]
+    Request(#[from] RequestError),
+}
+
+/// Why a session could not be opened.
+#[derive(Clone, Debug, Error)]
+pub enum RegisterError {
+    /// The daemon refused, or could not be asked.
+    #[error(transparent)]
+    Request(#[from] RequestError),
+}
+
+/// Why a state was not published.
+#[derive(Clone, Debug, Error)]
+pub enum PublishError {
+    /// The daemon went away, and has not yet taken the session up again. Try again with the next frame.
+    #[error("the untangled daemon went away; the session waits to be registered again")]
+    Reconnecting,
+    /// The session can't be registered again.
+    #[error(transparent)]
+    Request(#[from] RequestError),
+    /// The session was registered with the other precision.
+    #[error("the session was registered with precision {registered:?}")]
+    Precision {
+        /// The session's precision.
+        registered: untangled_proto::Precision,
+    },
+}
+
+/// A frame that the daemon could not use. The session lives on.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("frame {frame} was refused ({status:?}): vertex {fault_index:?}, value {fault_value}")]
+pub struct FrameRefusal {
+    /// The frame.
+    pub frame: u64,
+    /// Why.
+    pub status: Status,
+    /// The vertex at fault, if one is.
+    pub fault_index: Option<u64>,
+    /// The value at fault.
+    pub fault_value: f64,
+}
+
+/// Why a correction did not come.
+#[derive(Clone, Debug, Error)]
+pub enum WaitError {
+    /// It did not come in time.
+    #[error("no correction of frame {frame} within {waited:?}")]
+    Timeout {
+        /// The frame.
+        frame: u64,
+        /// How long was waited.
+        waited: Duration,
+    },
+    /// The daemon went away. The next call registers the session again.
+    #[error("the untangled daemon went away while frame {frame} was waited for")]
+    DaemonLost {
+        /// The frame.
+        frame: u64,
+    },
+    /// The daemon went on to a newer frame.
+    #[error("frame {frame} was overtaken by frame {newest}")]
+    Overtaken {
+        /// The frame.
+        frame: u64,
+        /// The newest frame with a correction.
+        newest: u64,
+    },
+    /// The daemon could not use the frame.
+    #[error(transparent)]
+    Refused(#[from] FrameRefusal),
+    /// The transport failed; most likely too many corrections are held.
+    #[error("receiving a correction: {reason}")]
+    Receive {
+        /// What iceoryx2 says.
+        reason: String,
+    },
+}
+
+/// Why there is no newest correction.
+#[derive(Clone, Debug, Error)]
+pub enum NewestError {
+    /// The daemon could not use the frame.
+    #[error(transparent)]
+    Refused(#[from] FrameRefusal),
+    /// The transport failed; most likely too many corrections are held.
+    #[error("receiving a correction: {reason}")]
+    Receive {
+        /// What iceoryx2 says.
+        reason: String,
+    },
+}
+
+/// Why an exchange came to nothing.
+#[derive(Clone, Debug, Error)]
+pub enum ExchangeError {
+    /// The state was not published.
+    #[error(transparent)]
+    Publish(#[from] PublishError),
+    /// The correction did not come.
+    #[error(transparent)]
+    Wait(#[from] WaitError),
+}

@@ -1,0 +1,97 @@
+//! The ports of a registered session.
+
+use std::time::Instant;
+
+use iceoryx2::{
+    port::{listener::Listener, publisher::Publisher, subscriber::Subscriber},
+    prelude::{CallbackProgression, Node, NodeState, PortFactory, ZeroCopySend},
+};
+use untangled_proto::{
+    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    names::{self, SessionService},
+    services::{self, CorrectionService, Ipc},
+};
+
+use crate::{
+    error::RequestError,
+    registration::Registration,
+    request::{Reply, check_memory},
+};
+
+/// Where positions are written.
+#[derive(Debug)]
+pub(crate) enum StatePort {
+    F32(Publisher<Ipc, [PositionF32], StateHeader>),
+    F64(Publisher<Ipc, [PositionF64], StateHeader>),
+}
+
+/// The ports of a session that the daemon knows.
+#[derive(Debug)]
+pub(crate) struct Link {
+    pub(crate) session: u64,
+    pub(crate) states: StatePort,
+    pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
+    pub(crate) listener: Listener<Ipc>,
+    /// When the daemon's process was last looked at.
+    pub(crate) checked: Instant,
+    service: CorrectionService,
+}
+
+impl Link {
+    /// Opens the services that a registration's reply names.
+    pub(crate) fn open(node: &Node<Ipc>, reply: &Reply, registration: &Registration) -> Result<Self, RequestError> {
+        check_memory(registration.state_segment_bytes())?;
+        let session = reply.header.session;
+        let name = |service| names::session(reply.header.instance, session, service);
+        let service = services::open_corrections(node, &name(SessionService::Correction))
+            .map_err(|error| RequestError::transport("opening the correction service", &error))?;
+        let corrections = service
+            .subscriber_builder()
+            .create()
+            .map_err(|error| RequestError::transport("creating a subscriber", &error))?;
+        let listener = services::open_event(node, &name(SessionService::Event))
+            .map_err(|error| RequestError::transport("opening the session's event", &error))?
+            .listener_builder()
+            .create()
+            .map_err(|error| RequestError::transport("creating a listener", &error))?;
+        let states = name(SessionService::State);
+        let states = match registration.precision {
+            Precision::F32 => StatePort::F32(publisher(node, &states, registration.num_vertices)?),
+            Precision::F64 => StatePort::F64(publisher(node, &states, registration.num_vertices)?),
+        };
+        Ok(Self { session, states, corrections, listener, checked: Instant::now(), service })
+    }
+
+    /// Whether the daemon has closed its side, or somebody cleaned up behind it. A look into shared memory.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.service.dynamic_config().number_of_publishers() == 0
+    }
+
+    /// Whether the daemon's process is gone. Asks the system, so this is for when nothing comes.
+    pub(crate) fn is_dead(&mut self) -> bool {
+        self.checked = Instant::now();
+        let mut dead = false;
+        let listed = self.service.nodes(|node| {
+            dead |= matches!(node, NodeState::Dead(_));
+            CallbackProgression::Continue
+        });
+        if let Err(error) = listed {
+            tracing::debug!(?error, "listing the nodes of a session");
+        }
+        dead || self.is_closed()
+    }
+}
+
+fn publisher<P: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+    num_vertices: usize,
+) -> Result<Publisher<Ipc, [P], StateHeader>, RequestError> {
+    services::open_states::<P>(node, name)
+        .map_err(|error| RequestError::transport("opening the state service", &error))?
+        .publisher_builder()
+        .initial_max_slice_len(num_vertices)
+        .max_loaned_samples(1)
+        .create()
+        .map_err(|error| RequestError::transport("creating a publisher", &error))
+}

@@ -1,0 +1,80 @@
+//! What a host says about its cloth, once.
+
+use untangled_proto::{CorrectionKind, Precision, RegisterParams, limits, sections::SectionWriter, sections::id};
+
+/// A cloth and what is asked for. Only `num_vertices` and `triangles` are required.
+#[derive(Clone, Debug, Default)]
+pub struct Registration {
+    /// Number of vertices.
+    pub num_vertices: usize,
+    /// Triangles, `num_faces x 3` vertex indices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates with indices of their own.
+    pub uvs: Option<Uvs>,
+    /// Unstrained positions in metres, `num_vertices x 3`.
+    pub rest_positions: Option<Vec<[f64; 3]>>,
+    /// Mass of each vertex in kilograms, `num_vertices`; needed for [`CorrectionKind::Force`].
+    pub masses_kg: Option<Vec<f64>>,
+    /// Vertices that the host does not let move.
+    pub pins: Vec<u32>,
+    /// Layer of each vertex, `num_vertices`, from the body outwards.
+    pub layers: Option<Vec<u32>>,
+    /// Precision of the positions that will be published.
+    pub precision: Precision,
+    /// What corrections shall be.
+    pub correction: CorrectionKind,
+    /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
+    pub settings: serde_json::Value,
+}
+
+/// Texture coordinates: an atlas in which a corner, not a vertex, has its place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Uvs {
+    /// `num_coordinates x 2`.
+    pub coordinates: Vec<[f64; 2]>,
+    /// For each face the coordinate index of its three corners, `num_faces x 3`.
+    pub corners: Vec<[u32; 3]>,
+}
+
+impl Registration {
+    /// The payload of the request, and the number of its sections.
+    pub(crate) fn encode(&self) -> (Vec<u8>, u32) {
+        let params = RegisterParams {
+            num_vertices: self.num_vertices as u64,
+            precision: self.precision as u32,
+            correction: self.correction as u32,
+            reserved: [0; 2],
+        };
+        let mut writer = SectionWriter::default();
+        writer.bytes(id::PARAMS, params.to_bytes().to_vec()).u32s(id::TRIANGLES, &self.triangles);
+        if let Some(uvs) = &self.uvs {
+            writer.f64s(id::UV_COORDINATES, &uvs.coordinates).u32s(id::UV_CORNERS, &uvs.corners);
+        }
+        if let Some(rest_positions) = &self.rest_positions {
+            writer.f64s(id::REST_POSITIONS, rest_positions);
+        }
+        if let Some(masses) = &self.masses_kg {
+            writer.f64s(id::MASSES, masses.as_chunks::<1>().0);
+        }
+        if !self.pins.is_empty() {
+            writer.u32s(id::PINS, self.pins.as_chunks::<1>().0);
+        }
+        if let Some(layers) = &self.layers {
+            writer.u32s(id::LAYERS, layers.as_chunks::<1>().0);
+        }
+        if let Some(settings) = settings_bytes(&self.settings) {
+            writer.bytes(id::SETTINGS, settings);
+        }
+        writer.finish()
+    }
+
+    /// Shared memory that the host's side of the session takes.
+    pub(crate) fn state_segment_bytes(&self) -> u64 {
+        limits::state_segment_bytes(self.num_vertices, self.precision)
+    }
+}
+
+/// The document of a settings section; nothing for `null`.
+pub(crate) fn settings_bytes(settings: &serde_json::Value) -> Option<Vec<u8>> {
+    if settings.is_null() { None } else { Some(settings.to_string().into_bytes()) }
+}

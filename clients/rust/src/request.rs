@@ -1,0 +1,125 @@
+//! One request to the daemon and its reply.
+
+use std::time::{Duration, Instant};
+
+use iceoryx2::{
+    pending_response::PendingResponse,
+    port::{client::Client as RequestPort, listener::Listener},
+};
+use untangled_proto::{
+    PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names,
+    services::{self, Ipc},
+};
+
+use crate::{client::Shared, error::RequestError};
+
+/// Longest sleep in one go: a lost event costs no more than this.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// A request on its way. It has a port of its own, so that a large registration does not keep its memory for good.
+#[derive(Debug)]
+pub(crate) struct Pending {
+    response: PendingResponse<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
+    listener: Listener<Ipc>,
+    _port: RequestPort<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
+    pub(crate) sent: Instant,
+}
+
+/// A reply with status 0.
+#[derive(Clone, Debug)]
+pub(crate) struct Reply {
+    pub(crate) header: ReplyHeader,
+    pub(crate) text: String,
+}
+
+impl Pending {
+    /// Sends a request and wakes the daemon.
+    pub(crate) fn send(
+        shared: &Shared,
+        kind: RequestKind,
+        session: u64,
+        payload: &[u8],
+        num_sections: u32,
+    ) -> Result<Self, RequestError> {
+        if !shared.has_server() {
+            return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
+        }
+        check_memory(limits::request_segment_bytes(payload.len()))?;
+        // Listening begins before the request leaves, so that the reply's event can't be missed.
+        let listener = services::open_event(&shared.node, names::REPLY)
+            .map_err(|error| RequestError::transport("opening the reply event", &error))?
+            .listener_builder()
+            .create()
+            .map_err(|error| RequestError::transport("creating a listener", &error))?;
+        let port = shared
+            .control
+            .client_builder()
+            .initial_max_slice_len(payload.len().max(1))
+            .create()
+            .map_err(|error| RequestError::transport("creating a request port", &error))?;
+        let mut request = port
+            .loan_slice_uninit(payload.len())
+            .map_err(|error| RequestError::transport("loaning a request", &error))?;
+        *request.user_header_mut() = RequestHeader {
+            protocol_version: PROTOCOL_VERSION,
+            kind: kind as u32,
+            session,
+            num_sections,
+            ..RequestHeader::default()
+        };
+        let response = request
+            .write_from_slice(payload)
+            .send()
+            .map_err(|error| RequestError::transport("sending a request", &error))?;
+        shared.wake(names::EVENT_REQUEST);
+        Ok(Self { response, listener, _port: port, sent: Instant::now() })
+    }
+
+    /// Waits for the reply. At the deadline the request is still on its way: try again, or drop it.
+    pub(crate) fn poll(&self, shared: &Shared, deadline: Instant) -> Result<Option<Reply>, RequestError> {
+        loop {
+            if let Some(reply) = self.receive()? {
+                return Ok(Some(reply));
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            if !shared.has_server() {
+                return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
+            }
+            // An interrupted wait is a shorter one.
+            let _ = self.listener.timed_wait(|_| {}, left.min(SLICE));
+        }
+    }
+
+    /// Waits for the reply, for good.
+    pub(crate) fn wait(self, shared: &Shared, deadline: Instant) -> Result<Reply, RequestError> {
+        self.poll(shared, deadline)?.ok_or_else(|| RequestError::Timeout {
+            domain: shared.domain.name().to_owned(),
+            waited: self.sent.elapsed(),
+        })
+    }
+
+    fn receive(&self) -> Result<Option<Reply>, RequestError> {
+        let received = self.response.receive();
+        let Some(response) = received.map_err(|error| RequestError::transport("receiving a reply", &error))? else {
+            return Ok(None);
+        };
+        let header = *response.user_header();
+        let text = String::from_utf8_lossy(response.payload()).into_owned();
+        match Status::from_code(header.status) {
+            Some(Status::Ok) => Ok(Some(Reply { header, text })),
+            status => Err(RequestError::Refused { status: status.unwrap_or(Status::Internal), message: text }),
+        }
+    }
+}
+
+/// Whether shared memory holds this much more. Asked before each port is made, since running out of it later ends the process.
+pub(crate) fn check_memory(needed: u64) -> Result<(), RequestError> {
+    match limits::free_shared_memory() {
+        Ok(free) if free < needed => Err(RequestError::NotEnoughMemory { needed, free }),
+        // Where the system does not say, nothing is known against it.
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,205 @@
+//! Where a daemon and its clients meet: a private corner of iceoryx2.
+//!
+//! A domain has a name. Its root folder is `$XDG_RUNTIME_DIR/untangled/NAME`, or `/tmp/untangled-UID/NAME` where that variable is
+//! not set; its shared memory has the prefix `untangled-UID-HASH-`, where HASH stands for the root folder. Different names never meet.
+
+use std::{
+    os::unix::fs::{DirBuilderExt, MetadataExt},
+    path::{Path, PathBuf},
+};
+
+use iceoryx2::prelude::{Config, FileName, SemanticString};
+use thiserror::Error;
+
+/// Environment variable with the name of the domain, where none is given.
+pub const DOMAIN_VARIABLE: &str = "UNTANGLED_DOMAIN";
+/// The domain of whoever does not choose one.
+pub const DEFAULT_DOMAIN: &str = "default";
+/// Longest name of a domain in bytes.
+pub const MAX_NAME_BYTES: usize = 24;
+/// Longest root path in bytes: the names of sockets below it must not grow beyond what the system takes.
+pub const MAX_ROOT_BYTES: usize = 60;
+
+/// Why a domain can't be used.
+#[derive(Debug, Error)]
+pub enum DomainError {
+    /// A name with other characters, or too long.
+    #[error("domain name `{name}` must have 1 to {MAX_NAME_BYTES} of the characters a-z, A-Z, 0-9, `-` and `_`")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// The root folder's path is too long.
+    #[error(
+        "the path {path} has {length} bytes, but sockets below it only work up to {MAX_ROOT_BYTES}: choose a shorter domain name \
+         or set XDG_RUNTIME_DIR to a shorter folder"
+    )]
+    RootTooLong {
+        /// The path.
+        path: PathBuf,
+        /// Its length.
+        length: usize,
+    },
+    /// The path has bytes that iceoryx2 does not take.
+    #[error("the path {path} can't be used as the root of a domain")]
+    RootPath {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A folder could not be made or looked at.
+    #[error("folder {path}: {source}")]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The folder belongs to somebody else, or others may write to it.
+    #[error("folder {path} must belong to user {uid} and be closed to others (it belongs to {owner}, mode {mode:o})")]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// This user.
+        uid: u32,
+        /// Its owner.
+        owner: u32,
+        /// Its permissions.
+        mode: u32,
+    },
+}
+
+/// A named meeting place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Domain {
+    name: String,
+    root: PathBuf,
+    prefix: String,
+}
+
+impl Domain {
+    /// The domain of this name, or of [`DOMAIN_VARIABLE`], or [`DEFAULT_DOMAIN`].
+    ///
+    /// # Errors
+    /// [`DomainError::Name`] and [`DomainError::RootTooLong`].
+    pub fn locate(name: Option<&str>) -> Result<Self, DomainError> {
+        let variable = std::env::var(DOMAIN_VARIABLE).ok().filter(|name| !name.is_empty());
+        let name = name.or(variable.as_deref()).unwrap_or(DEFAULT_DOMAIN);
+        let runtime = std::env::var_os("XDG_RUNTIME_DIR").filter(|path| !path.is_empty());
+        Self::new(name, runtime.as_deref().map(Path::new), rustix::process::getuid().as_raw())
+    }
+
+    /// The domain of this name for a user.
+    ///
+    /// # Errors
+    /// [`DomainError::Name`] and [`DomainError::RootTooLong`].
+    pub fn new(name: &str, runtime_folder: Option<&Path>, uid: u32) -> Result<Self, DomainError> {
+        let good = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
+        if name.is_empty() || name.len() > MAX_NAME_BYTES || !name.bytes().all(good) {
+            return Err(DomainError::Name { name: name.to_owned() });
+        }
+        let base = match runtime_folder {
+            Some(folder) => folder.join("untangled"),
+            None => PathBuf::from(format!("/tmp/untangled-{uid}")),
+        };
+        let root = base.join(name);
+        let length = root.as_os_str().len();
+        if length > MAX_ROOT_BYTES {
+            return Err(DomainError::RootTooLong { path: root, length });
+        }
+        let prefix = format!("untangled-{uid}-{:08x}-", fnv1a(root.as_os_str().as_encoded_bytes()));
+        Ok(Self { name: name.to_owned(), root, prefix })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its root folder.
+    #[must_use]
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The prefix of its files in `/dev/shm`.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// The file that a daemon locks while it serves; it stays when the daemon ends.
+    #[must_use]
+    pub fn lock_path(&self) -> PathBuf {
+        self.root.with_extension("lock")
+    }
+
+    /// Makes the root folder where it is missing, and checks that it is ours alone: the daemon's part.
+    ///
+    /// # Errors
+    /// [`DomainError::Folder`] and [`DomainError::Foreign`].
+    pub fn create_folders(&self) -> Result<(), DomainError> {
+        let mut builder = std::fs::DirBuilder::new();
+        builder.recursive(true).mode(0o700);
+        builder.create(&self.root).map_err(|source| DomainError::Folder { path: self.root.clone(), source })?;
+        self.check_folders()
+    }
+
+    /// Checks that the root folder is there, and ours alone.
+    ///
+    /// # Errors
+    /// [`DomainError::Folder`] and [`DomainError::Foreign`].
+    pub fn check_folders(&self) -> Result<(), DomainError> {
+        let base = self.root.parent().unwrap_or(&self.root);
+        for path in [base, &self.root] {
+            let failed = |source| DomainError::Folder { path: path.to_owned(), source };
+            // Not following links: in a shared /tmp somebody else could have put one there.
+            let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
+            let (uid, owner, mode) = (rustix::process::getuid().as_raw(), metadata.uid(), metadata.mode() & 0o777);
+            if owner != uid || !metadata.is_dir() || mode & 0o022 != 0 {
+                return Err(DomainError::Foreign { path: path.to_owned(), uid, owner, mode });
+            }
+        }
+        Ok(())
+    }
+
+    /// The configuration of iceoryx2 for this domain. It reads no configuration file.
+    ///
+    /// # Errors
+    /// [`DomainError::RootPath`].
+    pub fn config(&self) -> Result<Config, DomainError> {
+        let refused = || DomainError::RootPath { path: self.root.clone() };
+        let root = iceoryx2::prelude::Path::new(self.root.as_os_str().as_encoded_bytes()).map_err(|_| refused())?;
+        let mut config = Config::default();
+        config.global.set_root_path(&root);
+        config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|_| refused())?;
+        Ok(config)
+    }
+}
+
+/// The 32-bit FNV-1a hash: short, and easy to write in any language.
+fn fnv1a(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811c_9dc5, |hash, &byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_paths() {
+        let domain = Domain::new("test", Some(Path::new("/run/user/7")), 7).unwrap();
+        assert_eq!(domain.root(), Path::new("/run/user/7/untangled/test"));
+        assert_eq!(domain.lock_path(), Path::new("/run/user/7/untangled/test.lock"));
+        assert!(domain.prefix().starts_with("untangled-7-"));
+        let other = Domain::new("test", None, 7).unwrap();
+        assert_eq!(other.root(), Path::new("/tmp/untangled-7/test"));
+        assert_ne!(domain.prefix(), other.prefix());
+        for name in ["", "a/b", "..", "a b", &"x".repeat(25)] {
+            assert!(matches!(Domain::new(name, None, 7), Err(DomainError::Name { .. })), "{name}");
+        }
+        let long = Path::new("/a/very/long/runtime/folder/that/nobody/would/ever/choose");
+        assert!(matches!(Domain::new("test", Some(long), 7), Err(DomainError::RootTooLong { .. })));
+        assert_eq!(fnv1a(b"a"), 0xe40c_292c);
+    }
+}

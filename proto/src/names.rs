@@ -1,0 +1,44 @@
+//! Names of services. `instance` tells one run of a daemon from the next; `session` counts up within a run.
+
+/// Request-response service, and the event service that wakes the daemon: for a request and for a state.
+pub const CONTROL: &str = "untangled/control";
+/// Event service that tells clients that a reply was sent.
+pub const REPLY: &str = "untangled/reply";
+
+/// Event: a request was sent.
+pub const EVENT_REQUEST: usize = 1;
+/// Event: a state was sent.
+pub const EVENT_STATE: usize = 2;
+/// Event: a reply was sent.
+pub const EVENT_REPLY: usize = 3;
+/// Event: a correction was sent.
+pub const EVENT_CORRECTION: usize = 4;
+/// Event: a notifier of the other side went away.
+pub const EVENT_GONE: usize = 5;
+/// The largest event id.
+pub const EVENT_MAX: usize = 7;
+
+/// One of the services of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SessionService {
+    /// Positions, host to daemon.
+    State,
+    /// Corrections, daemon to host.
+    Correction,
+    /// Event service that wakes the host.
+    Event,
+    /// Intersection paths, daemon to whoever listens.
+    Paths,
+}
+
+/// The name of a session's service.
+#[must_use]
+pub fn session(instance: u64, session: u64, service: SessionService) -> String {
+    let last = match service {
+        SessionService::State => "state",
+        SessionService::Correction => "correction",
+        SessionService::Event => "event",
+        SessionService::Paths => "paths",
+    };
+    format!("untangled/{instance:016x}/{session}/{last}")
+}

@@ -1,0 +1,67 @@
+//! `untangled status`.
+
+use std::{fmt::Write, time::Duration};
+
+use clap::Args;
+use serde_json::Value;
+use untangled_client::{Client, ClientOptions};
+
+use super::{CliError, Outcome};
+
+#[derive(Debug, Args)]
+pub(super) struct StatusArgs {
+    /// Which daemon; the default is $UNTANGLED_DOMAIN, else `default`.
+    #[arg(long, value_name = "NAME")]
+    domain: Option<String>,
+    /// Print one JSON document, schema `untangled.status/1`.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
+    let client = Client::connect(ClientOptions { domain: args.domain.clone(), timeout: Duration::from_secs(2) })?;
+    let report = client.status()?;
+    let text = if args.json { serde_json::to_string_pretty(&report)? } else { table(&report)? };
+    super::print(&text)?;
+    Ok(Outcome::Clean)
+}
+
+fn table(report: &Value) -> Result<String, std::fmt::Error> {
+    let mut out = String::new();
+    let number = |value: &Value| value.as_f64().unwrap_or(0.0);
+    writeln!(
+        out,
+        "untangled {} on domain `{}`, process {}, up {:.0} s, {} frames",
+        report["library_version"].as_str().unwrap_or("?"),
+        report["domain"].as_str().unwrap_or("?"),
+        report["pid"],
+        number(&report["uptime_s"]),
+        report["num_frames"],
+    )?;
+    let sessions = report["sessions"].as_array().map_or(&[][..], Vec::as_slice);
+    if sessions.is_empty() {
+        write!(out, "no sessions")?;
+        return Ok(out);
+    }
+    write!(
+        out,
+        "{:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>7} {:>8} {:>9}",
+        "session", "vertices", "faces", "frames", "skipped", "refused", "Hz", "EFs", "ms/frame"
+    )?;
+    for session in sessions {
+        write!(
+            out,
+            "\n{:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>7.1} {:>8} {:>9.3}",
+            session["session"],
+            session["num_vertices"],
+            session["num_faces"],
+            session["num_frames"],
+            session["num_skipped_frames"],
+            session["num_refused_frames"],
+            number(&session["rate_hz"]),
+            session["num_edge_face_intersections"],
+            number(&session["stage_us"]["total"]) / 1e3,
+        )?;
+    }
+    Ok(out)
+}

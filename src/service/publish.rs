@@ -1,0 +1,143 @@
+//! From an outcome to the sample that a host reads.
+
+use untangled_proto::{
+    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    correction::{NO_FAULT, flags, pair_type},
+};
+
+use crate::{
+    mesh::Mesh,
+    paths::PairType,
+    respond::{Corrections, VertexFlags},
+    untangler::Outcome,
+};
+
+use super::ingest::StateFault;
+
+const _: () = assert!(
+    VertexFlags::INSIDE.0 == flags::INSIDE
+        && VertexFlags::NEAR_PATH.0 == flags::NEAR_PATH
+        && VertexFlags::CLAMPED.0 == flags::CLAMPED
+        && VertexFlags::PINNED.0 == flags::PINNED,
+    "flags on the wire are those of the library"
+);
+
+/// The header for a frame that can't be used.
+pub(super) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFault) -> CorrectionHeader {
+    CorrectionHeader {
+        frame: state.frame,
+        simulated_s: state.simulated_s,
+        dt_s: state.dt_s,
+        status: fault.status.code(),
+        kind: kind as u32,
+        fault_index: fault.index,
+        fault_value: fault.value,
+        ..CorrectionHeader::default()
+    }
+}
+
+/// The header for a frame that was worked on; times are filled in last.
+pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcome<'_>) -> CorrectionHeader {
+    let Outcome { analysis, corrections } = outcome;
+    let mut num_pairs = [0; 16];
+    for pair in &analysis.paths.pairs {
+        num_pairs[pair_index(pair.pair_type)] += 1;
+    }
+    let per_second2 = 1.0 / (state.dt_s * state.dt_s);
+    CorrectionHeader {
+        frame: state.frame,
+        simulated_s: state.simulated_s,
+        dt_s: state.dt_s,
+        status: Status::Ok.code(),
+        kind: kind as u32,
+        num_vertices: state.num_vertices,
+        fault_index: NO_FAULT,
+        num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,
+        num_face_pairs: analysis.intersections.segments.len() as u64,
+        contour_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
+        num_inside: corrections.flags.iter().filter(|flags| flags.contains(VertexFlags::INSIDE)).count() as u64,
+        max_displacement_m: corrections.max_displacement_m,
+        net_force_n: (corrections.net_force * per_second2).into(),
+        net_torque_nm: (corrections.net_torque * per_second2).into(),
+        num_pairs,
+        ..CorrectionHeader::default()
+    }
+}
+
+/// The value and flags of one vertex, in the unit asked for.
+pub(super) fn vertex(
+    mesh: &Mesh,
+    corrections: &Corrections,
+    kind: CorrectionKind,
+    dt_s: f64,
+    index: usize,
+) -> VertexCorrection {
+    let mass_kg = mesh.masses_kg().map_or(1.0, |masses| masses[index]);
+    let per_force = match kind {
+        CorrectionKind::Force => 1.0 / (dt_s * dt_s),
+        // Nothing moves what has no mass by a force; the host does not integrate such a vertex either.
+        _ if mass_kg <= 0.0 => 0.0,
+        CorrectionKind::Acceleration => 1.0 / (mass_kg * dt_s * dt_s),
+        CorrectionKind::VelocityChange => 1.0 / (mass_kg * dt_s),
+        CorrectionKind::Displacement => 1.0 / mass_kg,
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "the wire carries single precision")]
+    let value: [f32; 3] = (corrections.forces[index] * per_force).map(|value| value as f32).into();
+    let flags = corrections.flags[index].0;
+    if value.iter().all(|value| value.is_finite()) {
+        VertexCorrection { value, flags }
+    } else {
+        // Too large for the wire: a host can do nothing with infinity.
+        VertexCorrection { value: [0.0; 3], flags: flags | flags::CLAMPED }
+    }
+}
+
+/// The index of a type of pairs on the wire.
+pub(super) fn pair_index(pair_type: PairType) -> usize {
+    match pair_type {
+        PairType::Closed => pair_type::CLOSED,
+        PairType::Eight => pair_type::EIGHT,
+        PairType::LoopLoop => pair_type::LOOP_LOOP,
+        PairType::BoundaryLoopInside => pair_type::BOUNDARY_LOOP_INSIDE,
+        PairType::BoundaryLoopBoundary => pair_type::BOUNDARY_LOOP_BOUNDARY,
+        PairType::BoundaryLoopLoopBoundary => pair_type::BOUNDARY_LOOP_LOOP_BOUNDARY,
+        PairType::Cross => pair_type::CROSS,
+        PairType::BoundaryBoundaryInsideInside => pair_type::BB_II,
+        PairType::BoundaryBoundaryBoundaryInside => pair_type::BB_BI,
+        PairType::BoundaryBoundaryBoundaryBoundary => pair_type::BB_BB,
+        PairType::BoundaryInside => pair_type::BI_BI,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::mesh::MeshDescription;
+
+    #[test]
+    fn units() {
+        let mesh = |masses_kg| {
+            let description =
+                MeshDescription { num_vertices: 3, faces: vec![[0, 1, 2]], masses_kg, ..Default::default() };
+            Mesh::new(description).unwrap()
+        };
+        let mut corrections = Corrections {
+            forces: vec![Vector3::new(0.5, 0.0, -1.0); 3],
+            flags: vec![VertexFlags::INSIDE; 3],
+            ..Corrections::default()
+        };
+        let heavy = mesh(Some(vec![2.0, 2.0, 0.0]));
+        let value = |mesh: &Mesh, kind, index| vertex(mesh, &corrections, kind, 0.5, index).value;
+        assert_eq!(value(&heavy, CorrectionKind::Force, 0), [2.0, 0.0, -4.0]);
+        assert_eq!(value(&heavy, CorrectionKind::Acceleration, 0), [1.0, 0.0, -2.0]);
+        assert_eq!(value(&heavy, CorrectionKind::VelocityChange, 0), [0.5, 0.0, -1.0]);
+        assert_eq!(value(&heavy, CorrectionKind::Displacement, 0), [0.25, 0.0, -0.5]);
+        assert_eq!(value(&heavy, CorrectionKind::Displacement, 2), [0.0; 3]);
+        assert_eq!(value(&mesh(None), CorrectionKind::Displacement, 0), [0.5, 0.0, -1.0]);
+        corrections.forces[1].x = 1e200;
+        let huge = vertex(&heavy, &corrections, CorrectionKind::Force, 0.5, 1);
+        assert_eq!(huge, VertexCorrection { value: [0.0; 3], flags: flags::INSIDE | flags::CLAMPED });
+    }
+}

@@ -1,0 +1,123 @@
+//! From the bytes of a registration to a mesh and what is asked for.
+
+use std::sync::Arc;
+
+use figment::{Figment, providers::Serialized};
+use untangled_proto::{
+    CorrectionKind, Precision, RegisterParams, Status, limits,
+    sections::{SectionError, Sections, id},
+};
+
+use crate::{
+    mesh::{Mesh, MeshDescription, Uvs},
+    settings::Settings,
+};
+
+use super::{ServeOptions, error::Refusal};
+
+/// A registration that was checked from end to end.
+#[derive(Debug)]
+pub(super) struct Registered {
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) settings: Settings,
+    pub(super) precision: Precision,
+    pub(super) correction: CorrectionKind,
+}
+
+/// Reads a registration. `reserved_bytes` of shared memory are promised to others already.
+pub(super) fn read(
+    sections: &Sections<'_>,
+    options: &ServeOptions,
+    reserved_bytes: u64,
+) -> Result<Registered, Refusal> {
+    let params = sections
+        .bytes(id::PARAMS)
+        .and_then(RegisterParams::from_bytes)
+        .ok_or_else(|| Refusal::new(Status::BadRequest, "section 1 (parameters) must be there and have 32 bytes"))?;
+    let num_vertices = usize::try_from(params.num_vertices).unwrap_or(usize::MAX);
+    let num_faces = sections.bytes(id::TRIANGLES).map_or(0, <[u8]>::len) / 12;
+    for (what, count, limit) in
+        [("vertices", num_vertices, options.max_vertices), ("faces", num_faces, options.max_faces)]
+    {
+        if count > limit {
+            return Err(Refusal::new(
+                Status::TooLarge,
+                format_args!("the mesh has {count} {what}; at most {limit} are allowed"),
+            ));
+        }
+    }
+    let precision = Precision::from_code(params.precision).ok_or_else(|| {
+        Refusal::new(Status::BadRequest, format_args!("precision {} is not 0 (f32) or 1 (f64)", params.precision))
+    })?;
+    let correction = CorrectionKind::from_code(params.correction).ok_or_else(|| {
+        Refusal::new(Status::BadRequest, format_args!("kind of correction {} is not 0 to 3", params.correction))
+    })?;
+    if correction == CorrectionKind::Force && sections.bytes(id::MASSES).is_none() {
+        let message = "corrections as forces need the mass of each vertex; send masses, or ask for another kind";
+        return Err(Refusal::new(Status::MassesRequired, message));
+    }
+    check_memory(num_vertices, precision, reserved_bytes)?;
+    let settings = settings(sections, options)?;
+    let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
+    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction })
+}
+
+/// The settings of a request, laid over the daemon's own.
+pub(super) fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Result<Settings, Refusal> {
+    let Some(bytes) = sections.bytes(id::SETTINGS) else { return Ok(options.settings.clone()) };
+    let refused = |error: &dyn std::fmt::Display| Refusal::new(Status::BadSettings, format_args!("settings: {error}"));
+    if bytes.len() > limits::MAX_SETTINGS_BYTES {
+        return Err(refused(&format_args!(
+            "{} bytes; at most {} are allowed",
+            bytes.len(),
+            limits::MAX_SETTINGS_BYTES
+        )));
+    }
+    // A copy: the parser looks at bytes more than once.
+    let chosen: serde_json::Map<String, serde_json::Value> =
+        serde_json::from_slice(&bytes.to_vec()).map_err(|error| refused(&error))?;
+    let settings: Settings = Figment::from(Serialized::defaults(&options.settings))
+        .merge(Serialized::defaults(chosen))
+        .extract()
+        .map_err(|error| refused(&error))?;
+    settings.validate().map_err(|error| refused(&error))?;
+    Ok(settings)
+}
+
+fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescription, Refusal> {
+    let refused = |error: SectionError| Refusal::new(Status::BadRequest, error);
+    let u32s = |id| {
+        let values = sections.u32s::<1>(id).map_err(refused)?;
+        Ok::<_, Refusal>(values.map(|values| values.as_flattened().to_vec()))
+    };
+    let coordinates = sections.f64s::<2>(id::UV_COORDINATES).map_err(refused)?;
+    let corners = sections.u32s::<3>(id::UV_CORNERS).map_err(refused)?;
+    let uvs = match (coordinates, corners) {
+        (Some(coordinates), Some(corners)) => Some(Uvs { coordinates, corners }),
+        (None, None) => None,
+        _ => return Err(Refusal::new(Status::BadRequest, "sections 3 and 4 (texture coordinates) need each other")),
+    };
+    Ok(MeshDescription {
+        num_vertices,
+        faces: sections.u32s(id::TRIANGLES).map_err(refused)?.unwrap_or_default(),
+        uvs,
+        rest_positions: sections.f64s(id::REST_POSITIONS).map_err(refused)?,
+        masses_kg: sections.f64s::<1>(id::MASSES).map_err(refused)?.map(|masses| masses.as_flattened().to_vec()),
+        pins: u32s(id::PINS)?.unwrap_or_default(),
+        layers: u32s(id::LAYERS)?,
+    })
+}
+
+fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) -> Result<(), Refusal> {
+    let needed = limits::session_bytes(num_vertices, precision);
+    match limits::free_shared_memory() {
+        Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
+            Status::NotEnoughMemory,
+            format_args!(
+                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, of which {reserved_bytes} are promised"
+            ),
+        )),
+        Ok(_) => Ok(()),
+        Err(error) => Err(Refusal::new(Status::Internal, format_args!("/dev/shm: {error}"))),
+    }
+}

@@ -1,0 +1,42 @@
+//! Logs: `tracing` to standard error.
+
+use std::io::IsTerminal;
+
+use thiserror::Error;
+use tracing_subscriber::EnvFilter;
+
+use crate::config::{LogFormat, Telemetry};
+
+/// Why logs can't be set up.
+#[derive(Debug, Error)]
+pub enum TelemetryError {
+    /// The filter is not understood.
+    #[error("log filter `{filter}`: {source}")]
+    Filter {
+        /// The filter.
+        filter: String,
+        /// Why.
+        source: tracing_subscriber::filter::ParseError,
+    },
+    /// Somebody has set up logs already.
+    #[error("logs: {0}")]
+    Init(#[source] Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// Starts logging for this process; only a binary may.
+///
+/// # Errors
+/// [`TelemetryError`].
+pub fn init(telemetry: &Telemetry) -> Result<(), TelemetryError> {
+    let filter = EnvFilter::try_new(&telemetry.filter)
+        .map_err(|source| TelemetryError::Filter { filter: telemetry.filter.clone(), source })?;
+    let builder = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal());
+    match telemetry.format {
+        LogFormat::Text => builder.try_init(),
+        LogFormat::Json => builder.json().try_init(),
+    }
+    .map_err(TelemetryError::Init)
+}

@@ -1,0 +1,215 @@
+//! Sessions with a real daemon: what a host relies on while everybody behaves.
+
+#[path = "support/daemon.rs"]
+mod support;
+
+use std::{process::Stdio, time::Duration};
+
+use rustix::process::Signal;
+use serde_json::json;
+use support::{DEADLINE, Daemon, STEP, TestDomain, command, eventually, fill_flat, sheet};
+use untangled_client::{
+    Client, ConnectError, CorrectionKind, Precision, PublishError, RegisterError, Registration, RequestError, Status,
+};
+use untangled_proto::names::SessionService;
+
+#[test]
+fn register_and_exchange() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    assert_eq!(client.daemon().pid, daemon.pid());
+    for precision in [Precision::F32, Precision::F64] {
+        for correction in [
+            CorrectionKind::Force,
+            CorrectionKind::Acceleration,
+            CorrectionKind::VelocityChange,
+            CorrectionKind::Displacement,
+        ] {
+            let mut session = client.register(Registration { precision, correction, ..sheet(8) }).unwrap();
+            for frame in 1..=20 {
+                let correction_of_frame = match precision {
+                    Precision::F32 => session.exchange(STEP, DEADLINE, fill_flat).unwrap(),
+                    Precision::F64 => session.exchange_f64(STEP, DEADLINE, fill_flat).unwrap(),
+                };
+                assert_eq!(correction_of_frame.frame(), frame);
+                assert_eq!(correction_of_frame.vertices().len(), 81);
+                let header = correction_of_frame.header();
+                assert_eq!(header.kind, correction as u32);
+                assert_eq!((header.status, header.num_vertices, header.num_face_pairs), (0, 81, 0));
+                assert!(correction_of_frame.vertices().iter().all(|vertex| vertex.value == [0.0; 3]));
+            }
+            let wrong = match precision {
+                Precision::F32 => session.publish_f64(STEP, fill_flat).unwrap_err(),
+                Precision::F64 => session.publish(STEP, fill_flat).unwrap_err(),
+            };
+            assert!(matches!(wrong, PublishError::Precision { .. }));
+        }
+    }
+}
+
+#[test]
+fn two_sessions_do_not_meet() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let mut small = client.register(sheet(4)).unwrap();
+    let mut large = domain.connect().register(sheet(20)).unwrap();
+    for _ in 0..20 {
+        let small_frame = small.publish(STEP, fill_flat).unwrap();
+        let large_frame = large.publish(STEP, fill_flat).unwrap();
+        assert_eq!(large.wait(large_frame, DEADLINE).unwrap().vertices().len(), 441);
+        assert_eq!(small.wait(small_frame, DEADLINE).unwrap().vertices().len(), 25);
+    }
+    let status = client.status().unwrap();
+    assert_eq!(status["schema"], "untangled.status/1");
+    assert_eq!(status["sessions"].as_array().unwrap().len(), 2);
+    assert_eq!(status["num_frames"], 40);
+    drop(small);
+    eventually("the small session is gone", || client.status().unwrap()["sessions"].as_array().unwrap().len() == 1);
+    large.exchange(STEP, DEADLINE, fill_flat).unwrap();
+}
+
+#[test]
+fn free_running() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(10)).unwrap();
+    let mut newest = 0;
+    eventually("fifty frames later", || {
+        session.publish(STEP, fill_flat).unwrap();
+        if let Some(correction) = session.newest().unwrap() {
+            assert!(correction.frame() > newest && correction.frame() <= session.frame());
+            newest = correction.frame();
+        }
+        newest > 50
+    });
+}
+
+#[test]
+fn corrections_stay_readable() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(4)).unwrap();
+    let held: Vec<_> = (0..3).map(|_| session.exchange(STEP, DEADLINE, fill_flat).unwrap()).collect();
+    daemon.stop(Signal::KILL);
+    for (correction, frame) in held.iter().zip(1..) {
+        assert_eq!(correction.header().frame, frame);
+        assert_eq!(correction.vertices()[24].value, [0.0; 3]);
+    }
+}
+
+#[test]
+fn a_client_waits_for_a_late_daemon() {
+    let domain = TestDomain::new();
+    let options = domain.options();
+    let client = std::thread::spawn(move || Client::connect(options));
+    let _daemon = Daemon::start(&domain);
+    client.join().unwrap().unwrap().register(sheet(2)).unwrap();
+}
+
+#[test]
+fn without_a_daemon_a_client_says_so_and_leaves_nothing() {
+    let domain = TestDomain::new();
+    let mut options = domain.options();
+    options.timeout = Duration::from_millis(50);
+    let error = Client::connect(options).unwrap_err();
+    assert!(matches!(error, ConnectError::Request(RequestError::NoDaemon { .. })), "{error}");
+    assert!(!domain.0.root().exists());
+}
+
+#[test]
+fn a_second_daemon_is_refused() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let second = command(&domain).stdout(Stdio::piped()).output().unwrap();
+    assert_eq!(second.status.code(), Some(2));
+    let message = String::from_utf8(second.stderr).unwrap();
+    assert_eq!(
+        message,
+        format!("untangled: another daemon (process {}) serves domain `{}`\n", daemon.pid(), domain.name())
+    );
+    domain.connect().register(sheet(2)).unwrap().exchange(STEP, DEADLINE, fill_flat).unwrap();
+}
+
+#[test]
+fn settings_are_checked_and_changed() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let refused = |settings| {
+        let error = client.register(Registration { settings, ..sheet(2) }).unwrap_err();
+        let RegisterError::Request(RequestError::Refused { status: Status::BadSettings, message }) = error else {
+            panic!("{error}")
+        };
+        message
+    };
+    assert!(refused(json!({"stiffnes": 1})).contains("stiffnes"));
+    assert!(refused(json!({"path_rings": 1000})).contains("path_rings"));
+    assert!(refused(json!([1])).contains("settings"));
+    let mut session = client.register(Registration { settings: json!({"path_rings": 3}), ..sheet(2) }).unwrap();
+    session.update_settings(json!({"response": "mask"}), DEADLINE).unwrap();
+    let error = session.update_settings(json!({"response": "magic"}), DEADLINE).unwrap_err();
+    assert!(matches!(error, RequestError::Refused { status: Status::BadSettings, .. }), "{error}");
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+}
+
+#[test]
+fn a_million_triangles() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(708)).unwrap();
+    let correction = session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    assert_eq!(correction.vertices().len(), 709 * 709);
+}
+
+#[test]
+fn paths_reach_whoever_listens() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let mut session = client.register(sheet(4)).unwrap();
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    let node = support::node(&domain);
+    let name = support::session_service_name(&domain, 1, SessionService::Paths);
+    let service = untangled_proto::services::open_paths(&node, &name).unwrap();
+    let subscriber = service.subscriber_builder().create().unwrap();
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    let mut received = None;
+    eventually("paths", || {
+        received = subscriber.receive().unwrap();
+        received.is_some()
+    });
+    let sample = received.unwrap();
+    assert_eq!((sample.user_header().frame, sample.user_header().num_paths), (2, 0));
+}
+
+#[test]
+fn an_idle_daemon_uses_no_cpu() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(4)).unwrap();
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    let ticks = || {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", daemon.pid())).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
+    };
+    let before = ticks();
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(ticks() - before <= 1, "{} ticks of CPU time while idle", ticks() - before);
+}
+
+#[test]
+fn a_client_leaves_its_hosts_signals_alone() {
+    let caught = || {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        status.lines().find(|line| line.starts_with("SigCgt")).unwrap().to_owned()
+    };
+    let before = caught();
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(4)).unwrap();
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    assert_eq!(caught(), before);
+}
