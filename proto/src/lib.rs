@@ -11,6 +11,7 @@ pub mod control;
 pub mod correction;
 pub mod domain;
 pub mod limits;
+pub mod lock;
 pub mod names;
 pub mod paths;
 pub mod sections;

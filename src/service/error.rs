@@ -1,32 +1,17 @@
 //! Why a daemon does not serve, and why it refuses a request.
 
-use std::path::PathBuf;
-
 use thiserror::Error;
-use untangled_proto::{DomainError, Status};
+use untangled_proto::{DomainError, Status, lock::LockError};
 
 /// Why a daemon did not start, or ended.
 #[derive(Debug, Error)]
 pub enum ServeError {
-    /// There is one already.
-    #[error("another daemon{} serves domain `{domain}`", pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
-    AlreadyServed {
-        /// The domain.
-        domain: String,
-        /// Its process, if known.
-        pid: Option<u32>,
-    },
+    /// There is a daemon already, or the domain's files can't be used.
+    #[error(transparent)]
+    Lock(#[from] LockError),
     /// The domain can't be used.
     #[error(transparent)]
     Domain(#[from] DomainError),
-    /// A file could not be used.
-    #[error("{path}: {source}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
     /// The transport failed.
     #[error("{what}: {reason}")]
     Transport {

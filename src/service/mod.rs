@@ -11,7 +11,6 @@
 
 mod clock;
 mod control;
-mod domain;
 mod error;
 mod ingest;
 mod paths;
@@ -37,14 +36,15 @@ use iceoryx2::{
     waitset::WaitSetRunResult,
 };
 use untangled_proto::{
-    Domain, limits, names,
+    Domain, limits,
+    lock::{DomainLock, LockError},
+    names,
     services::{self, Event, Ipc},
 };
 
 use crate::settings::Settings;
 
 use control::ControlServer;
-use domain::DomainLock;
 pub use error::ServeError;
 use session::Session;
 
@@ -104,12 +104,24 @@ impl Shutdown {
 pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
     // What iceoryx2 reports is handled here and logged once; whoever wants its own words sets IOX2_LOG_LEVEL.
     set_log_level_from_env_or(iceoryx2::prelude::LogLevel::Fatal);
-    let lock = DomainLock::acquire(&options.domain)?;
+    let lock = lock(&options.domain)?;
     lock.wipe_if_unused()?;
     let result = Daemon::start(options).and_then(|mut daemon| daemon.serve(shutdown, ready));
     // All ports, services and the node are gone by now.
     lock.wipe_if_unused()?;
     result
+}
+
+/// Takes the domain's lock. A client that is just leaving may have it for a moment.
+fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
+    const ATTEMPTS: u32 = 10;
+    for _ in 1..ATTEMPTS {
+        match DomainLock::acquire(domain) {
+            Err(LockError::Held { .. }) => std::thread::sleep(Duration::from_millis(20)),
+            other => return other,
+        }
+    }
+    DomainLock::acquire(domain)
 }
 
 /// The daemon's state. Fields are dropped in order: ports before services before the node.

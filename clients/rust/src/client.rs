@@ -6,14 +6,19 @@ use std::{
 };
 
 use iceoryx2::{
+    identifiers::UniqueServerId,
     port::notifier::Notifier,
-    prelude::{EventId, LogLevel, Node, NodeBuilder, SignalHandlingMode, set_log_level_from_env_or},
+    prelude::{
+        CallbackProgression, EventId, LogLevel, Node, NodeBuilder, PortFactory, SignalHandlingMode,
+        set_log_level_from_env_or,
+    },
 };
 use untangled_proto::{
     Domain, ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status,
     control::Hello,
+    lock::WipeOnLeave,
     names,
-    services::{self, Control, Ipc},
+    services::{self, Control, Event, Ipc},
 };
 
 use crate::{
@@ -54,9 +59,11 @@ pub(crate) struct Shared {
     // Ports before services before the node: each needs the next one to clean up behind itself.
     notifier: Notifier<Ipc>,
     pub(crate) control: Control,
+    pub(crate) replies: Event,
     pub(crate) node: Node<Ipc>,
     pub(crate) domain: Domain,
     pub(crate) timeout: Duration,
+    _wipe: WipeOnLeave,
 }
 
 impl Client {
@@ -141,7 +148,7 @@ impl Shared {
                 error => RequestError::transport("opening the control service", &error).into(),
             }
         })?;
-        if control_has_no_server(&control) {
+        if server(&control).is_none() {
             return Err(no_daemon().into());
         }
         let notifier = services::open_event(&node, names::CONTROL)
@@ -149,7 +156,11 @@ impl Shared {
             .notifier_builder()
             .create()
             .map_err(|error| RequestError::transport("creating a notifier", &error))?;
-        Ok(Self { notifier, control, node, domain: domain.clone(), timeout })
+        // Held open, so that it outlives the daemon and the next one finds it.
+        let replies = services::open_event(&node, names::REPLY)
+            .map_err(|error| RequestError::transport("opening the reply event", &error))?;
+        let _wipe = WipeOnLeave(domain.clone());
+        Ok(Self { notifier, control, replies, node, domain: domain.clone(), timeout, _wipe })
     }
 
     fn hello(&self, deadline: Instant) -> Result<Hello, ConnectError> {
@@ -182,13 +193,17 @@ impl Shared {
         }
     }
 
-    /// Whether a daemon has its server up. A killed one counts until somebody has cleaned up behind it.
-    pub(crate) fn has_server(&self) -> bool {
-        !control_has_no_server(&self.control)
+    /// The daemon's server. A killed one counts until somebody has cleaned up behind it.
+    pub(crate) fn server(&self) -> Option<UniqueServerId> {
+        server(&self.control)
     }
 }
 
-fn control_has_no_server(control: &Control) -> bool {
-    use iceoryx2::prelude::PortFactory;
-    control.dynamic_config().number_of_servers() == 0
+fn server(control: &Control) -> Option<UniqueServerId> {
+    let mut id = None;
+    control.dynamic_config().list_servers(|server| {
+        id = Some(server.server_id);
+        CallbackProgression::Stop
+    });
+    id
 }

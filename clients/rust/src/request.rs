@@ -3,12 +3,12 @@
 use std::time::{Duration, Instant};
 
 use iceoryx2::{
+    identifiers::UniqueServerId,
     pending_response::PendingResponse,
     port::{client::Client as RequestPort, listener::Listener},
 };
 use untangled_proto::{
-    PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names,
-    services::{self, Ipc},
+    PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names, services::Ipc,
 };
 
 use crate::{client::Shared, error::RequestError};
@@ -22,6 +22,7 @@ pub(crate) struct Pending {
     response: PendingResponse<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
     listener: Listener<Ipc>,
     _port: RequestPort<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
+    server: UniqueServerId,
     pub(crate) sent: Instant,
 }
 
@@ -41,13 +42,12 @@ impl Pending {
         payload: &[u8],
         num_sections: u32,
     ) -> Result<Self, RequestError> {
-        if !shared.has_server() {
-            return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
-        }
+        let server =
+            shared.server().ok_or_else(|| RequestError::NoDaemon { domain: shared.domain.name().to_owned() })?;
         check_memory(limits::request_segment_bytes(payload.len()))?;
         // Listening begins before the request leaves, so that the reply's event can't be missed.
-        let listener = services::open_event(&shared.node, names::REPLY)
-            .map_err(|error| RequestError::transport("opening the reply event", &error))?
+        let listener = shared
+            .replies
             .listener_builder()
             .create()
             .map_err(|error| RequestError::transport("creating a listener", &error))?;
@@ -72,7 +72,7 @@ impl Pending {
             .send()
             .map_err(|error| RequestError::transport("sending a request", &error))?;
         shared.wake(names::EVENT_REQUEST);
-        Ok(Self { response, listener, _port: port, sent: Instant::now() })
+        Ok(Self { response, listener, _port: port, server, sent: Instant::now() })
     }
 
     /// Waits for the reply. At the deadline the request is still on its way: try again, or drop it.
@@ -85,7 +85,8 @@ impl Pending {
             if left.is_zero() {
                 return Ok(None);
             }
-            if !shared.has_server() {
+            // A daemon that took its place never saw the request.
+            if shared.server() != Some(self.server) {
                 return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
             }
             // An interrupted wait is a shorter one.

@@ -279,7 +279,10 @@ impl Session {
                     let (payload, num_sections) = self.registration.encode();
                     match Pending::send(&self.shared, RequestKind::Register, 0, &payload, num_sections) {
                         Ok(pending) => self.state = State::Pending(Box::new(pending)),
-                        Err(RequestError::NoDaemon { .. }) => self.sleep_or_give_up(deadline)?,
+                        // The transport fails while a dead daemon is being cleaned up, or a new one comes up.
+                        Err(RequestError::NoDaemon { .. } | RequestError::Transport { .. }) => {
+                            sleep_or_give_up(deadline)?
+                        }
                         Err(error) => return Err(error.into()),
                     }
                 }
@@ -287,14 +290,19 @@ impl Session {
                     Ok(Some(reply)) => {
                         let link = Link::open(&self.shared.node, &reply, &self.registration);
                         self.state = State::Lost;
-                        self.state = State::Live(Box::new(link?));
+                        let link = match link {
+                            // That daemon is gone as well.
+                            Err(RequestError::Transport { .. }) => continue,
+                            link => link?,
+                        };
+                        self.state = State::Live(Box::new(link));
                         self.num_registrations += 1;
                         tracing::info!(num_registrations = self.num_registrations, "the session is registered again");
                     }
                     // A daemon that died with the request in its hands never answers: ask the next one.
                     Ok(None) if pending.sent.elapsed() > self.shared.timeout => self.state = State::Lost,
                     Ok(None) => return Err(PublishError::Reconnecting),
-                    Err(RequestError::NoDaemon { .. }) => self.state = State::Lost,
+                    Err(RequestError::NoDaemon { .. } | RequestError::Transport { .. }) => self.state = State::Lost,
                     Err(error) => {
                         self.state = State::Lost;
                         return Err(error.into());
@@ -306,16 +314,6 @@ impl Session {
             State::Live(link) => Ok(link),
             State::Pending(_) | State::Lost => Err(PublishError::Reconnecting),
         }
-    }
-
-    fn sleep_or_give_up(&self, deadline: Instant) -> Result<(), PublishError> {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(PublishError::Reconnecting);
-        }
-        std::thread::sleep(left.min(Duration::from_millis(10)));
-        let _ = &self.shared;
-        Ok(())
     }
 
     fn lose(&mut self) {
@@ -330,6 +328,15 @@ impl Drop for Session {
         // The daemon looks after its sessions whenever it is woken.
         self.shared.wake(names::EVENT_STATE);
     }
+}
+
+fn sleep_or_give_up(deadline: Instant) -> Result<(), PublishError> {
+    let left = deadline.saturating_duration_since(Instant::now());
+    if left.is_zero() {
+        return Err(PublishError::Reconnecting);
+    }
+    std::thread::sleep(left.min(Duration::from_millis(10)));
+    Ok(())
 }
 
 fn send<P: std::fmt::Debug + ZeroCopySend + 'static>(

@@ -1,36 +1,65 @@
-//! The daemon's side of a domain: one daemon at a time, and nothing left behind.
+//! The lock of a domain: one daemon at a time, and nothing left behind.
+//!
+//! A daemon holds it while it serves. Whoever leaves a domain last, daemon or client, takes it for a moment and wipes what
+//! iceoryx2 leaves: a few management files, and all that killed processes could not remove.
 
 use std::{
     fs::{File, OpenOptions},
     io::{ErrorKind, Read, Seek, Write},
     os::unix::fs::OpenOptionsExt,
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 use rustix::fs::{FlockOperation, flock};
-use untangled_proto::{Domain, services::Ipc};
+use thiserror::Error;
 
-use super::error::ServeError;
+use crate::{Domain, DomainError, services::Ipc};
 
 const SHARED_MEMORY: &str = "/dev/shm";
 
-/// The right to serve a domain. The system takes it back when the process ends, however it does.
+/// Why a domain's lock was not taken.
+#[derive(Debug, Error)]
+pub enum LockError {
+    /// A daemon has it.
+    #[error("another daemon{} serves domain `{domain}`", pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    Held {
+        /// The domain.
+        domain: String,
+        /// The daemon's process, if known.
+        pid: Option<u32>,
+    },
+    /// The domain can't be used.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+    /// A file could not be used.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+/// The right to serve or to wipe a domain. The system takes it back when the process ends, however it does.
 ///
-/// The control service has room for one server as well, but wiping what a dead daemon left must be excluded before there is
-/// any service.
+/// The control service has room for one server as well, but wiping must be excluded before there is any service.
 #[derive(Debug)]
-pub(super) struct DomainLock<'a> {
+pub struct DomainLock<'a> {
     domain: &'a Domain,
     _file: File,
 }
 
 impl<'a> DomainLock<'a> {
-    /// Takes the right, or says who has it.
-    pub(super) fn acquire(domain: &'a Domain) -> Result<Self, ServeError> {
+    /// Takes the right, or says who has it. Does not wait.
+    ///
+    /// # Errors
+    /// [`LockError`].
+    pub fn acquire(domain: &'a Domain) -> Result<Self, LockError> {
         domain.create_folders()?;
         let path = domain.lock_path();
-        let failed = |source| ServeError::File { path: path.clone(), source };
+        let failed = |source| LockError::File { path: path.clone(), source };
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -44,7 +73,7 @@ impl<'a> DomainLock<'a> {
             Err(rustix::io::Errno::WOULDBLOCK) => {
                 let mut text = String::new();
                 let pid = file.read_to_string(&mut text).ok().and_then(|_| text.trim().parse().ok());
-                return Err(ServeError::AlreadyServed { domain: domain.name().to_owned(), pid });
+                return Err(LockError::Held { domain: domain.name().to_owned(), pid });
             }
             Err(error) => return Err(failed(error.into())),
         }
@@ -54,7 +83,10 @@ impl<'a> DomainLock<'a> {
     }
 
     /// Removes what dead processes left in the root folder and in shared memory, if no process uses the domain.
-    pub(super) fn wipe_if_unused(&self) -> Result<(), ServeError> {
+    ///
+    /// # Errors
+    /// [`LockError::File`] and [`LockError::Domain`].
+    pub fn wipe_if_unused(&self) -> Result<(), LockError> {
         let mut used = false;
         let listed = Node::<Ipc>::list(&self.domain.config()?, |node| {
             used |= !matches!(node, NodeState::Dead(_));
@@ -66,7 +98,7 @@ impl<'a> DomainLock<'a> {
         }
         let failed = |path: &Path| {
             let path = path.to_owned();
-            move |source| ServeError::File { path, source }
+            move |source| LockError::File { path, source }
         };
         let root = self.domain.root();
         match std::fs::remove_dir_all(root) {
@@ -81,5 +113,17 @@ impl<'a> DomainLock<'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// Wipes the domain on the way out, if nobody else is left. Nothing that fails here matters to whoever leaves.
+#[derive(Debug)]
+pub struct WipeOnLeave(pub Domain);
+
+impl Drop for WipeOnLeave {
+    fn drop(&mut self) {
+        if self.0.root().exists() {
+            let _ = DomainLock::acquire(&self.0).and_then(|lock| lock.wipe_if_unused());
+        }
     }
 }
