@@ -1,5 +1,7 @@
 //! Sessions with a real daemon: peers that die, lie, or come from another age.
 
+#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "what goes wrong fails a test, and zeros are exact")]
+
 #[path = "support/daemon.rs"]
 mod support;
 

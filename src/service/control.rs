@@ -27,6 +27,7 @@ use super::{
     status,
 };
 
+type Port = Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 
 /// What a request asked for.
@@ -37,7 +38,7 @@ struct Answer {
 
 /// Answers requests. Fields are dropped in order: ports before services.
 pub(super) struct ControlServer<'a> {
-    server: Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
+    server: Port,
     notifier: Notifier<Ipc>,
     _service: Control,
     _event: Event,
@@ -185,9 +186,7 @@ impl<'a> ControlServer<'a> {
 }
 
 /// The control service with its one server. A server of a daemon that was killed counts until it is cleaned up.
-fn create_server(
-    node: &Node<Ipc>,
-) -> Result<(Control, Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>), ServeError> {
+fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
     const ATTEMPTS: u32 = 20;
     let mut attempt = 0;
     loop {

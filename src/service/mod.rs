@@ -14,6 +14,7 @@ mod control;
 mod error;
 mod ingest;
 mod paths;
+mod ports;
 mod publish;
 mod register;
 mod session;

@@ -117,6 +117,7 @@ mod tests {
     use crate::mesh::MeshDescription;
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "all values are powers of two")]
     fn units() {
         let mesh = |masses_kg| {
             let description =

@@ -73,9 +73,10 @@ pub(super) fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Resul
             limits::MAX_SETTINGS_BYTES
         )));
     }
-    // A copy: the parser looks at bytes more than once.
+    // The parser may look at a byte more than once, and the peer may write on.
+    let copy = bytes.to_vec();
     let chosen: serde_json::Map<String, serde_json::Value> =
-        serde_json::from_slice(&bytes.to_vec()).map_err(|error| refused(&error))?;
+        serde_json::from_slice(&copy).map_err(|error| refused(&error))?;
     let settings: Settings = Figment::from(Serialized::defaults(&options.settings))
         .merge(Serialized::defaults(chosen))
         .extract()

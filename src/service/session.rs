@@ -6,16 +6,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iceoryx2::{
-    port::{notifier::Notifier, publisher::Publisher, subscriber::Subscriber},
-    prelude::{EventId, Node, PortFactory, ZeroCopySend},
-};
+use iceoryx2::prelude::Node;
 use untangled_proto::{
-    CorrectionHeader, CorrectionKind, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection,
+    CorrectionHeader, CorrectionKind, Precision, StateHeader, Status, VertexCorrection,
     correction::{NO_FAULT, stage},
     limits,
-    names::{self, SessionService},
-    services::{self, CorrectionService, Event, Ipc, States},
+    services::Ipc,
 };
 
 use crate::{
@@ -30,6 +26,7 @@ use super::{
     error::{Refusal, ServeError},
     ingest::{self, StateFault},
     paths::PathsPort,
+    ports::{CorrectionPort, StatePort},
     publish,
     register::Registered,
     status::Statistics,
@@ -42,11 +39,8 @@ const GRACE: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(super) struct Session {
     states: StatePort,
-    corrections: Publisher<Ipc, [VertexCorrection], CorrectionHeader>,
-    notifier: Notifier<Ipc>,
+    corrections: CorrectionPort,
     paths: PathsPort,
-    _correction_service: CorrectionService,
-    _event: Event,
     id: u64,
     precision: Precision,
     correction: CorrectionKind,
@@ -57,13 +51,6 @@ pub(super) struct Session {
     created: Instant,
 }
 
-/// Where positions come from, with the service that knows whether somebody is there to send them.
-#[derive(Debug)]
-enum StatePort {
-    F32(Subscriber<Ipc, [PositionF32], StateHeader>, States<PositionF32>),
-    F64(Subscriber<Ipc, [PositionF64], StateHeader>, States<PositionF64>),
-}
-
 impl Session {
     /// Creates the services and the daemon's ports of a session.
     pub(super) fn create(node: &Node<Ipc>, instance: u64, id: u64, registered: Registered) -> Result<Self, Refusal> {
@@ -71,19 +58,13 @@ impl Session {
         let Registered { mesh, settings, precision, correction } = registered;
         let num_vertices = mesh.num_vertices();
         let untangler = Untangler::new(mesh, settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
-        let name = |service| names::session(instance, id, service);
-        let states = StatePort::create(node, &name(SessionService::State), precision).map_err(internal)?;
-        let (correction_service, corrections) =
-            create_corrections(node, &name(SessionService::Correction), num_vertices).map_err(internal)?;
-        let (event, notifier) = create_notifier(node, &name(SessionService::Event)).map_err(internal)?;
+        let states = StatePort::create(node, instance, id, precision).map_err(internal)?;
+        let corrections = CorrectionPort::create(node, instance, id, num_vertices).map_err(internal)?;
         let paths = PathsPort::create(node, instance, id).map_err(internal)?;
         Ok(Self {
             states,
             corrections,
-            notifier,
             paths,
-            _correction_service: correction_service,
-            _event: event,
             id,
             precision,
             correction,
@@ -182,45 +163,41 @@ impl Session {
         clock: &mut StageClock,
     ) -> CorrectionHeader {
         let num_skipped_frames = self.statistics.skip_to(state.frame);
-        let kind = self.correction;
-        let checked = read.and_then(|()| ingest::check_header(state, self.untangler.mesh().num_vertices()));
-        let Self { untangler, frame, corrections: port, paths, .. } = self;
-        let mesh = Arc::clone(untangler.mesh());
-        let observer = &mut *clock;
+        let Self { untangler, frame, corrections: port, paths, correction: kind, .. } = self;
+        let (kind, mesh) = (*kind, Arc::clone(untangler.mesh()));
+        let checked = read.and_then(|()| ingest::check_header(state, mesh.num_vertices()));
         let outcome = checked.and_then(|()| {
-            process_guarded(untangler, frame, observer).ok_or(StateFault {
+            process_guarded(untangler, frame, clock).ok_or(StateFault {
                 status: Status::Internal,
                 index: NO_FAULT,
                 value: 0.0,
             })
         });
         clock.begin_index(stage::PUBLISH);
-        let (mut header, failed) = match outcome {
-            Ok(outcome) => {
-                let mut header = publish::header(state, kind, &outcome);
-                header.num_skipped_frames = num_skipped_frames;
-                let vertex = |index| publish::vertex(&mesh, outcome.corrections, kind, state.dt_s, index);
-                send(port, mesh.num_vertices(), &mut header, clock, vertex);
-                paths.publish(state.frame, &outcome.analysis.paths);
-                (header, false)
-            }
-            Err(fault) => {
-                let mut header = publish::refused(state, kind, fault);
-                header.num_skipped_frames = num_skipped_frames;
-                send(port, mesh.num_vertices(), &mut header, clock, |_| VertexCorrection::default());
-                (header, fault.status == Status::Internal)
-            }
+        let mut header = match &outcome {
+            Ok(outcome) => publish::header(state, kind, outcome),
+            Err(fault) => publish::refused(state, kind, *fault),
         };
         header.num_vertices = u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX);
-        if failed {
-            // Whatever the panic left half done is dropped.
-            let settings = self.untangler.settings().clone();
-            if let Ok(fresh) = Untangler::new(mesh, settings) {
-                self.untangler = fresh;
-            }
+        header.num_skipped_frames = num_skipped_frames;
+        let sent = match &outcome {
+            Ok(outcome) => port
+                .send(&mut header, clock, |index| publish::vertex(&mesh, outcome.corrections, kind, state.dt_s, index)),
+            Err(_) => port.send(&mut header, clock, |_| VertexCorrection::default()),
+        };
+        if let Err(error) = sent {
+            tracing::warn!(%error, "the correction is lost");
         }
-        // A listener that can't be reached is a host that is gone.
-        let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_CORRECTION));
+        match outcome {
+            Ok(outcome) => paths.publish(state.frame, &outcome.analysis.paths),
+            Err(StateFault { status: Status::Internal, .. }) => {
+                // Whatever the panic left half done is dropped. Settings that were valid still are.
+                if let Ok(fresh) = Untangler::new(mesh, self.untangler.settings().clone()) {
+                    self.untangler = fresh;
+                }
+            }
+            Err(_) => {}
+        }
         header
     }
 }
@@ -233,109 +210,4 @@ fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &m
         untangler.process(frame, clock)
     }))
     .ok()
-}
-
-/// Writes a correction in place and sends it; its header last, with the times up to there.
-fn send(
-    port: &Publisher<Ipc, [VertexCorrection], CorrectionHeader>,
-    num_vertices: usize,
-    header: &mut CorrectionHeader,
-    clock: &mut StageClock,
-    vertex: impl FnMut(usize) -> VertexCorrection,
-) {
-    let sent = port
-        .loan_slice_uninit(num_vertices)
-        .map_err(|error| ServeError::transport("loaning a correction", &error))
-        .and_then(|sample| {
-            let mut sample = sample.write_from_fn(vertex);
-            header.stage_ns = clock.finish();
-            *sample.user_header_mut() = *header;
-            sample.send().map_err(|error| ServeError::transport("sending a correction", &error))
-        });
-    if let Err(error) = sent {
-        tracing::warn!(%error, frame = header.frame, "the correction is lost");
-    }
-}
-
-impl StatePort {
-    fn create(node: &Node<Ipc>, name: &str, precision: Precision) -> Result<Self, ServeError> {
-        Ok(match precision {
-            Precision::F32 => {
-                let (subscriber, service) = create_subscriber(node, name)?;
-                Self::F32(subscriber, service)
-            }
-            Precision::F64 => {
-                let (subscriber, service) = create_subscriber(node, name)?;
-                Self::F64(subscriber, service)
-            }
-        })
-    }
-
-    fn has_publisher(&self) -> bool {
-        0 != match self {
-            Self::F32(_, service) => service.dynamic_config().number_of_publishers(),
-            Self::F64(_, service) => service.dynamic_config().number_of_publishers(),
-        }
-    }
-
-    /// The newest state that has come, copied and checked into `frame`.
-    fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
-        match self {
-            Self::F32(subscriber, _) => {
-                let sample = newest(subscriber)?;
-                Some((*sample.user_header(), ingest::read_f32(frame, mesh, sample.payload())))
-            }
-            Self::F64(subscriber, _) => {
-                let sample = newest(subscriber)?;
-                Some((*sample.user_header(), ingest::read_f64(frame, mesh, sample.payload())))
-            }
-        }
-    }
-}
-
-/// The buffer has room for one state, the newest: what it overtook is gone.
-fn newest<P: std::fmt::Debug + ZeroCopySend + 'static>(
-    subscriber: &Subscriber<Ipc, [P], StateHeader>,
-) -> Option<iceoryx2::sample::Sample<Ipc, [P], StateHeader>> {
-    subscriber.receive().unwrap_or_else(|error| {
-        tracing::warn!(?error, "receiving a state");
-        None
-    })
-}
-
-fn create_subscriber<P: std::fmt::Debug + ZeroCopySend + 'static>(
-    node: &Node<Ipc>,
-    name: &str,
-) -> Result<(Subscriber<Ipc, [P], StateHeader>, States<P>), ServeError> {
-    let service = services::create_states(node, name)
-        .map_err(|error| ServeError::transport("creating the state service", &error))?;
-    let subscriber = service
-        .subscriber_builder()
-        .create()
-        .map_err(|error| ServeError::transport("creating a subscriber", &error))?;
-    Ok((subscriber, service))
-}
-
-fn create_corrections(
-    node: &Node<Ipc>,
-    name: &str,
-    num_vertices: usize,
-) -> Result<(CorrectionService, Publisher<Ipc, [VertexCorrection], CorrectionHeader>), ServeError> {
-    let service = services::create_corrections(node, name)
-        .map_err(|error| ServeError::transport("creating the correction service", &error))?;
-    let publisher = service
-        .publisher_builder()
-        .initial_max_slice_len(num_vertices)
-        .max_loaned_samples(1)
-        .create()
-        .map_err(|error| ServeError::transport("creating a publisher", &error))?;
-    Ok((service, publisher))
-}
-
-fn create_notifier(node: &Node<Ipc>, name: &str) -> Result<(Event, Notifier<Ipc>), ServeError> {
-    let event = services::create_session_event(node, name)
-        .map_err(|error| ServeError::transport("creating the session's event", &error))?;
-    let notifier =
-        event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
-    Ok((event, notifier))
 }

@@ -1,0 +1,144 @@
+//! The daemon's ports of a session, each with the service that it belongs to.
+
+use iceoryx2::{
+    port::{notifier::Notifier, publisher::Publisher, subscriber::Subscriber},
+    prelude::{EventId, Node, PortFactory, ZeroCopySend},
+    sample::Sample,
+};
+use untangled_proto::{
+    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    names::{self, SessionService},
+    services::{self, CorrectionService, Event, Ipc, States},
+};
+
+use crate::{frame::Frame, mesh::Mesh};
+
+use super::{
+    clock::StageClock,
+    error::ServeError,
+    ingest::{self, StateFault},
+};
+
+/// Where positions come from, in the precision that the host chose.
+#[derive(Debug)]
+pub(super) enum StatePort {
+    F32(Subscription<PositionF32>),
+    F64(Subscription<PositionF64>),
+}
+
+/// A subscriber, dropped before its service, which knows whether somebody is there to send.
+#[derive(Debug)]
+pub(super) struct Subscription<P: std::fmt::Debug + ZeroCopySend + 'static> {
+    subscriber: Subscriber<Ipc, [P], StateHeader>,
+    service: States<P>,
+}
+
+impl StatePort {
+    pub(super) fn create(
+        node: &Node<Ipc>,
+        instance: u64,
+        session: u64,
+        precision: Precision,
+    ) -> Result<Self, ServeError> {
+        let name = names::session(instance, session, SessionService::State);
+        Ok(match precision {
+            Precision::F32 => Self::F32(Subscription::create(node, &name)?),
+            Precision::F64 => Self::F64(Subscription::create(node, &name)?),
+        })
+    }
+
+    /// Whether a host is there to send states.
+    pub(super) fn has_publisher(&self) -> bool {
+        0 != match self {
+            Self::F32(states) => states.service.dynamic_config().number_of_publishers(),
+            Self::F64(states) => states.service.dynamic_config().number_of_publishers(),
+        }
+    }
+
+    /// The newest state that has come, copied and checked into `frame`.
+    pub(super) fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
+        match self {
+            Self::F32(states) => {
+                let sample = states.newest()?;
+                Some((*sample.user_header(), ingest::read_f32(frame, mesh, sample.payload())))
+            }
+            Self::F64(states) => {
+                let sample = states.newest()?;
+                Some((*sample.user_header(), ingest::read_f64(frame, mesh, sample.payload())))
+            }
+        }
+    }
+}
+
+impl<P: std::fmt::Debug + ZeroCopySend + 'static> Subscription<P> {
+    fn create(node: &Node<Ipc>, name: &str) -> Result<Self, ServeError> {
+        let service = services::create_states(node, name)
+            .map_err(|error| ServeError::transport("creating the state service", &error))?;
+        let subscriber = service
+            .subscriber_builder()
+            .create()
+            .map_err(|error| ServeError::transport("creating a subscriber", &error))?;
+        Ok(Self { subscriber, service })
+    }
+
+    /// The buffer has room for one state, the newest: what it overtook is gone.
+    fn newest(&self) -> Option<Sample<Ipc, [P], StateHeader>> {
+        self.subscriber.receive().unwrap_or_else(|error| {
+            tracing::warn!(?error, "receiving a state");
+            None
+        })
+    }
+}
+
+/// Where corrections go. Fields are dropped in order: ports before services.
+#[derive(Debug)]
+pub(super) struct CorrectionPort {
+    publisher: Publisher<Ipc, [VertexCorrection], CorrectionHeader>,
+    notifier: Notifier<Ipc>,
+    _service: CorrectionService,
+    _event: Event,
+}
+
+impl CorrectionPort {
+    pub(super) fn create(
+        node: &Node<Ipc>,
+        instance: u64,
+        session: u64,
+        num_vertices: usize,
+    ) -> Result<Self, ServeError> {
+        let name = |service| names::session(instance, session, service);
+        let event = services::create_session_event(node, &name(SessionService::Event))
+            .map_err(|error| ServeError::transport("creating the session's event", &error))?;
+        let notifier =
+            event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
+        let service = services::create_corrections(node, &name(SessionService::Correction))
+            .map_err(|error| ServeError::transport("creating the correction service", &error))?;
+        let publisher = service
+            .publisher_builder()
+            .initial_max_slice_len(num_vertices)
+            .max_loaned_samples(1)
+            .create()
+            .map_err(|error| ServeError::transport("creating a publisher", &error))?;
+        Ok(Self { publisher, notifier, _service: service, _event: event })
+    }
+
+    /// Writes a correction in place, its header last with the times up to there, sends it, and wakes the host.
+    pub(super) fn send(
+        &self,
+        header: &mut CorrectionHeader,
+        clock: &mut StageClock,
+        vertex: impl FnMut(usize) -> VertexCorrection,
+    ) -> Result<(), ServeError> {
+        let sample = self
+            .publisher
+            .loan_slice_uninit(self.publisher.initial_max_slice_len())
+            .map_err(|error| ServeError::transport("loaning a correction", &error))?;
+        let mut sample = sample.write_from_fn(vertex);
+        header.stage_ns = clock.finish();
+        *sample.user_header_mut() = *header;
+        sample.send().map_err(|error| ServeError::transport("sending a correction", &error))?;
+        // A listener that can't be reached is a host that is gone.
+        let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_CORRECTION));
+        Ok(())
+    }
+}
