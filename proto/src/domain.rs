@@ -134,14 +134,27 @@ impl Domain {
         self.root.with_extension("lock")
     }
 
+    /// Whether a daemon has said that clients may come.
+    #[must_use]
+    pub fn is_announced(&self) -> bool {
+        std::fs::metadata(self.lock_path()).is_ok_and(|metadata| metadata.len() > 0)
+    }
+
+    /// Makes the folder of all domains where it is missing.
+    ///
+    /// # Errors
+    /// [`DomainError::Folder`].
+    pub fn create_base_folder(&self) -> Result<(), DomainError> {
+        create_private(self.root.parent().unwrap_or(&self.root))
+    }
+
     /// Makes the root folder where it is missing, and checks that it is ours alone: the daemon's part.
     ///
     /// # Errors
     /// [`DomainError::Folder`] and [`DomainError::Foreign`].
     pub fn create_folders(&self) -> Result<(), DomainError> {
-        let mut builder = std::fs::DirBuilder::new();
-        builder.recursive(true).mode(0o700);
-        builder.create(&self.root).map_err(|source| DomainError::Folder { path: self.root.clone(), source })?;
+        self.create_base_folder()?;
+        create_private(&self.root)?;
         self.check_folders()
     }
 
@@ -175,6 +188,11 @@ impl Domain {
         config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|_| refused())?;
         Ok(config)
     }
+}
+
+fn create_private(path: &Path) -> Result<(), DomainError> {
+    let failed = |source| DomainError::Folder { path: path.to_owned(), source };
+    std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)
 }
 
 /// The 32-bit FNV-1a hash: short, and easy to write in any language.

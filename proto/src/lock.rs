@@ -48,7 +48,7 @@ pub enum LockError {
 #[derive(Debug)]
 pub struct DomainLock<'a> {
     domain: &'a Domain,
-    _file: File,
+    file: File,
 }
 
 impl<'a> DomainLock<'a> {
@@ -57,7 +57,7 @@ impl<'a> DomainLock<'a> {
     /// # Errors
     /// [`LockError`].
     pub fn acquire(domain: &'a Domain) -> Result<Self, LockError> {
-        domain.create_folders()?;
+        domain.create_base_folder()?;
         let path = domain.lock_path();
         let failed = |source| LockError::File { path: path.clone(), source };
         let mut file = OpenOptions::new()
@@ -77,9 +77,26 @@ impl<'a> DomainLock<'a> {
             }
             Err(error) => return Err(failed(error.into())),
         }
-        file.set_len(0).and_then(|()| file.rewind()).map_err(failed)?;
-        writeln!(file, "{}", std::process::id()).map_err(failed)?;
-        Ok(Self { domain, _file: file })
+        file.set_len(0).map_err(failed)?;
+        Ok(Self { domain, file })
+    }
+
+    /// Says that clients may come: writes the process id into the lock's file. Before that, and after
+    /// [`withdraw`](Self::withdraw), the domain may be wiped under them.
+    ///
+    /// # Errors
+    /// [`LockError::File`].
+    pub fn announce(&mut self) -> Result<(), LockError> {
+        let written = self.file.rewind().and_then(|()| writeln!(self.file, "{}", std::process::id()));
+        written.map_err(|source| LockError::File { path: self.domain.lock_path(), source })
+    }
+
+    /// Says that no more clients shall come.
+    ///
+    /// # Errors
+    /// [`LockError::File`].
+    pub fn withdraw(&mut self) -> Result<(), LockError> {
+        self.file.set_len(0).map_err(|source| LockError::File { path: self.domain.lock_path(), source })
     }
 
     /// Removes what dead processes left in the root folder and in shared memory, if no process uses the domain.
@@ -100,10 +117,15 @@ impl<'a> DomainLock<'a> {
             let path = path.to_owned();
             move |source| LockError::File { path, source }
         };
+        // Moved away first: somebody who comes too early then can't write into what is being removed.
         let root = self.domain.root();
-        match std::fs::remove_dir_all(root) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(root)(error)),
-            _ => {}
+        let old = root.with_extension("old");
+        let _ = std::fs::remove_dir_all(&old);
+        match std::fs::rename(root, &old) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            Err(error) => return Err(failed(root)(error)),
+            // What is left of it goes with the next wipe.
+            Ok(()) => drop(std::fs::remove_dir_all(&old)),
         }
         let folder = Path::new(SHARED_MEMORY);
         for entry in std::fs::read_dir(folder).map_err(failed(folder))?.flatten() {

@@ -105,10 +105,13 @@ impl Shutdown {
 pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
     // What iceoryx2 reports is handled here and logged once; whoever wants its own words sets IOX2_LOG_LEVEL.
     set_log_level_from_env_or(iceoryx2::prelude::LogLevel::Fatal);
-    let lock = lock(&options.domain)?;
+    let mut lock = lock(&options.domain)?;
     lock.wipe_if_unused()?;
+    options.domain.create_folders()?;
+    lock.announce()?;
     let result = Daemon::start(options).and_then(|mut daemon| daemon.serve(shutdown, ready));
     // All ports, services and the node are gone by now.
+    lock.withdraw()?;
     lock.wipe_if_unused()?;
     result
 }

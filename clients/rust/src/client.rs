@@ -125,8 +125,8 @@ impl Client {
 impl Shared {
     fn open(domain: &Domain, config: &iceoryx2::config::Config, timeout: Duration) -> Result<Self, ConnectError> {
         let no_daemon = || RequestError::NoDaemon { domain: domain.name().to_owned() };
-        // Without a daemon there is no folder, and a client leaves none behind.
-        if !domain.root().exists() {
+        // Without a daemon there may be no folder, and a client leaves none behind; or it is about to be wiped.
+        if !domain.is_announced() {
             return Err(no_daemon().into());
         }
         domain.check_folders()?;
