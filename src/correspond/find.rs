@@ -40,9 +40,7 @@ impl Correspondent {
     ///
     /// Cost: for each path linear in its faces, its region and as much of the other sheet; cubic in its centres.
     pub fn find(&mut self, mesh: &Mesh, frame: &Frame, analysis: &Analysis, settings: &Settings) -> &Correspondences {
-        self.correspondences.paths.clear();
-        self.correspondences.pulls.clear();
-        self.correspondences.partings.clear();
+        self.clear();
         for copy in 0..analysis.paths.copies.len() {
             if is_partitioning(analysis, copy)
                 && let Some(found) = self.follow(mesh, frame, analysis, settings, copy)
@@ -50,6 +48,19 @@ impl Correspondent {
                 self.correspondences.paths.push(found);
             }
         }
+        &self.correspondences
+    }
+
+    /// Forgets what was found.
+    pub(crate) fn clear(&mut self) -> &Correspondences {
+        self.correspondences.paths.clear();
+        self.correspondences.pulls.clear();
+        self.correspondences.partings.clear();
+        &self.correspondences
+    }
+
+    /// What was found last.
+    pub(crate) fn found(&self) -> &Correspondences {
         &self.correspondences
     }
 
@@ -193,7 +204,7 @@ fn depth(mesh: &Mesh, points: &[PathPoint], region: &[VertexId], own: &Chart, ed
 }
 
 /// Mean edge length of the faces that a path runs through; nothing if it is zero.
-fn mean_edge_length(mesh: &Mesh, frame: &Frame, segments: &[PathSegment]) -> Option<f64> {
+pub(crate) fn mean_edge_length(mesh: &Mesh, frame: &Frame, segments: &[PathSegment]) -> Option<f64> {
     let mut sum = 0.0;
     for segment in segments {
         let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));

@@ -29,6 +29,9 @@ pub use find::Correspondent;
 pub use material::MaterialPoint;
 pub use shapes::ShapeSource;
 
+pub(crate) use find::mean_edge_length;
+pub(crate) use patch::Patch;
+
 /// A point inside and the place where it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
