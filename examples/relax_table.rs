@@ -124,6 +124,9 @@ impl Scene {
                 let types: Vec<_> = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments)).collect();
                 let corrections = outcome.corrections;
                 println!("  {step:>3} {after:>5} {:>9.4} {types:?}", corrections.max_displacement_m);
+                for path in &outcome.correspondences.paths {
+                    println!("        {path:?}");
+                }
             }
             let (sum, moments) = residual_scale(&frame, &outcome.corrections.forces);
             if sum > 0.0 {

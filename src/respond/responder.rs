@@ -77,6 +77,12 @@ impl Responder {
         &self.corrections
     }
 
+    /// The last corrections.
+    #[must_use]
+    pub fn corrections(&self) -> &Corrections {
+        &self.corrections
+    }
+
     /// The correspondences behind the last corrections.
     #[must_use]
     pub fn correspondences(&self) -> &Correspondences {
