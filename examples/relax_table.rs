@@ -17,7 +17,7 @@ use untangled::{
     untangler::Untangler,
 };
 
-const PROJECTIONS: usize = 10;
+const PROJECTIONS: usize = 4;
 const BENDING: f64 = 0.3;
 const HELD: usize = 5;
 

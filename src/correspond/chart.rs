@@ -1,6 +1,6 @@
 //! Charts: 2D coordinates of a part of the cloth, roughly in metres.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2, Vector3};
 
 use super::{
     MaterialPoint,
@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    mesh::{Mesh, VertexId},
+    mesh::{FaceId, Mesh, VertexId},
     paths::SurfacePoint,
 };
 
@@ -100,7 +100,7 @@ impl Chart {
             }
             let Some(edges) = mesh.face_edges(self.patch.faces()[face]) else { continue };
             let rim = edges.map(|edge| {
-                let here = |&&other: &&crate::mesh::FaceId| {
+                let here = |&&other: &&FaceId| {
                     self.patch.local_face(other).is_some_and(|f| self.unfolding.facing[f] != Facing::Unreached)
                 };
                 mesh.edge_faces(edge).iter().filter(here).count() < 2
@@ -146,6 +146,35 @@ impl Chart {
         Some(sum)
     }
 
+    /// The unit direction of the world that a direction of the chart has in a face.
+    pub(crate) fn to_world(&self, mesh: &Mesh, frame: &Frame, face: FaceId, direction: Vector2<f64>) -> Option<Vector3<f64>> {
+        let (u, v, x, y) = self.sides(mesh, frame, face)?;
+        let along = x * direction.perp(&v) + y * u.perp(&direction);
+        (along * u.perp(&v).signum()).try_normalize(0.0)
+    }
+
+    /// The unit direction of the chart that a direction of the world, in the plane of a face, has there.
+    pub(crate) fn to_chart(&self, mesh: &Mesh, frame: &Frame, face: FaceId, direction: Vector3<f64>) -> Option<Vector2<f64>> {
+        let (u, v, x, y) = self.sides(mesh, frame, face)?;
+        // Coordinates of the direction in the two sides, up to their common positive factor.
+        let (xx, xy, yy) = (x.norm_squared(), x.dot(&y), y.norm_squared());
+        let (px, py) = (direction.dot(&x), direction.dot(&y));
+        (u * (px * yy - py * xy) + v * (py * xx - px * xy)).try_normalize(0.0)
+    }
+
+    /// Two sides of a face from its first corner, in the chart and in the world.
+    fn sides(
+        &self,
+        mesh: &Mesh,
+        frame: &Frame,
+        face: FaceId,
+    ) -> Option<(Vector2<f64>, Vector2<f64>, Vector3<f64>, Vector3<f64>)> {
+        let [a, b, c] = mesh.face(face);
+        let (flat, world) = (self.vertex(a)?, frame.position(a));
+        let chart = (self.vertex(b)? - flat, self.vertex(c)? - flat);
+        Some((chart.0, chart.1, frame.position(b) - world, frame.position(c) - world))
+    }
+
     /// The point of the cloth with the given coordinates, or the nearest on the outline of the chart.
     pub(crate) fn locate(&self, mesh: &Mesh, point: Point2<f64>) -> Option<MaterialPoint> {
         let place = self.locator.locate(point)?;
@@ -158,7 +187,7 @@ mod tests {
     use super::*;
     use crate::{
         correspond::samples::{sheet, sheet_faces},
-        mesh::{EdgeId, FaceId, MeshDescription, Uvs},
+        mesh::{EdgeId, MeshDescription, Uvs},
     };
 
     /// A 6 x 6 sheet rolled into a quarter of a cylinder.

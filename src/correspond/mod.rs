@@ -29,6 +29,7 @@ pub use find::Correspondent;
 pub use material::MaterialPoint;
 pub use shapes::ShapeSource;
 
+pub(crate) use chart::Chart;
 pub(crate) use find::mean_edge_length;
 pub(crate) use patch::Patch;
 

@@ -66,13 +66,7 @@ impl Sheets<'_> {
 
     /// The unit direction in a face, at right angles to `tangent`, to the left of `step` in the chart.
     fn conormal(&self, chart: &Chart, face: FaceId, step: Vector2<f64>, tangent: Vector3<f64>) -> Option<Vector3<f64>> {
-        let [a, b, c] = self.mesh.face(face);
-        let (u, v) = (chart.vertex(b)? - chart.vertex(a)?, chart.vertex(c)? - chart.vertex(a)?);
-        let origin = self.frame.position(a);
-        let (x, y) = (self.frame.position(b) - origin, self.frame.position(c) - origin);
-        let area = u.perp(&v);
-        let left = Vector2::new(-step.y, step.x);
-        let world = (x * left.perp(&v) + y * u.perp(&left)) * area.signum();
+        let world = chart.to_world(self.mesh, self.frame, face, Vector2::new(-step.y, step.x))?;
         (world - tangent * tangent.dot(&world)).try_normalize(0.0)
     }
 }

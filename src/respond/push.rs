@@ -7,11 +7,11 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::forces::ForceLaw;
 use crate::{
-    correspond::{MaterialPoint, Patch},
+    correspond::{Chart, MaterialPoint, Patch},
     frame::Frame,
     mesh::{FaceId, Mesh},
     paths::{PathPoint, PathSegment},
@@ -33,10 +33,22 @@ pub(crate) enum Over {
 /// Distances to the boundary over a patch of the cloth.
 #[derive(Debug, Default)]
 pub(crate) struct BoundaryPush {
+    chart: Chart,
     patch: Patch,
     distances: Vec<f64>,
     done: Vec<bool>,
     heap: BinaryHeap<Candidate>,
+}
+
+/// A path to be pushed, and the law that says how far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PushedPath<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) frame: &'a Frame,
+    pub(crate) points: &'a [PathPoint],
+    pub(crate) segments: &'a [PathSegment],
+    pub(crate) law: ForceLaw,
+    pub(crate) edge_length_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,42 +73,50 @@ impl PartialOrd for Candidate {
 }
 
 impl BoundaryPush {
-    /// The mean over a path of the displacement of one step towards the boundary of the sheet `over`; nothing where there is no boundary
-    /// near, or where the directions cancel.
+    /// Writes for each segment the displacement of one step, in metres, towards the boundary of the sheet `over`: the mean over the path,
+    /// taken in a chart, so that it follows a sheet that bends. Zeros where no boundary is near or the directions cancel; false then.
     ///
     /// Cost: O(n log n) in the faces within a path length of the path.
-    pub(crate) fn mean_step(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        points: &[PathPoint],
-        segments: &[PathSegment],
-        over: Over,
-        law: &ForceLaw,
-        edge_length_m: f64,
-    ) -> Option<Vector3<f64>> {
+    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, over: Over, steps: &mut Vec<Vector3<f64>>) -> bool {
+        let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
+        steps.clear();
+        steps.resize(segments.len(), Vector3::zeros());
         let length: f64 = points.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).sum();
         let face_of = |segment: &PathSegment| if over == Over::Own { segment.own } else { segment.partner };
+        self.chart.patch_mut().start(mesh, segments.iter().map(face_of));
+        self.chart.patch_mut().grow(mesh, 1, usize::MAX);
+        if self.chart.build(mesh, frame).is_none() {
+            return false;
+        }
         // The path itself ends on a boundary, so none that counts is farther than its length.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, which is what is wanted")]
         let rings = (1.5 * length / edge_length_m).ceil() as usize + 3;
         self.patch.start(mesh, segments.iter().map(face_of));
         self.patch.grow(mesh, rings, usize::MAX);
         if !self.march(mesh, frame) {
-            return None;
+            return false;
         }
-        let (mut mean, mut magnitude) = (Vector3::zeros(), 0.0);
+        let (mut mean, mut magnitude) = (Vector2::zeros(), 0.0);
         for (index, segment) in segments.iter().enumerate() {
             let (start, end) = (&points[index], &points[index + 1]);
             let places = if over == Over::Own { [&start.own, &end.own] } else { [&start.partner, &end.partner] };
             let face = face_of(segment);
-            let Some(middle) = MaterialPoint::middle(mesh, face, places) else { continue };
-            let Some((distance, downhill)) = self.slope(mesh, frame, face, &middle) else { continue };
+            let slope = MaterialPoint::middle(mesh, face, places).and_then(|at| self.slope(mesh, frame, face, &at));
+            let Some((distance, downhill)) = slope else { continue };
+            let Some(downhill) = self.chart.to_chart(mesh, frame, face, downhill) else { continue };
             let step = law.step(distance) * (end.position - start.position).norm() / length;
             mean += downhill * step;
             magnitude += step;
         }
-        (mean.norm() > CANCELLED * magnitude).then_some(mean)
+        if !(mean.norm() > CANCELLED * magnitude) {
+            return false;
+        }
+        for (step, segment) in steps.iter_mut().zip(segments) {
+            if let Some(direction) = self.chart.to_world(mesh, frame, face_of(segment), mean) {
+                *step = direction * mean.norm();
+            }
+        }
+        true
     }
 
     /// Distance to the boundary at a point of a face and the unit direction in which it shrinks fastest.

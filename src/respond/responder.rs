@@ -7,7 +7,7 @@ use super::{
     contour::{GUARD, length_gradient},
     flags::set_flags,
     forces::{ForceLaw, Forces, mass_at, mass_kg},
-    push::{BoundaryPush, Over},
+    push::{BoundaryPush, Over, PushedPath},
 };
 use crate::{
     analysis::{Analysis, Stage, StageObserver},
@@ -28,6 +28,7 @@ pub struct Responder {
     correspondent: Correspondent,
     forces: Forces,
     push: BoundaryPush,
+    steps: [Vec<Vector3<f64>>; 2],
     front: Vec<VertexId>,
 }
 
@@ -66,7 +67,7 @@ impl Responder {
                 follow_targets(&scene, found, path, &mut self.forces);
             }
             for copy in unanswered(analysis, found) {
-                let pushed = settings.response != Response::Contour && push(&scene, copy, &mut self.push, &mut self.forces);
+                let pushed = settings.response != Response::Contour && push(&scene, copy, &mut self.push, &mut self.steps, &mut self.forces);
                 if !pushed {
                     shorten(&scene, copy, &mut self.forces);
                 }
@@ -137,7 +138,13 @@ fn follow_targets(scene: &Scene<'_>, found: &Correspondences, path: &PathCorresp
 }
 
 /// Pushes a BI path and its partner over the nearest boundaries; false where that is impossible.
-fn push(scene: &Scene<'_>, copy: usize, push: &mut BoundaryPush, forces: &mut Forces) -> bool {
+fn push(
+    scene: &Scene<'_>,
+    copy: usize,
+    push: &mut BoundaryPush,
+    steps: &mut [Vec<Vector3<f64>>; 2],
+    forces: &mut Forces,
+) -> bool {
     let Scene { mesh, frame, analysis, settings } = *scene;
     let path = &analysis.paths.copies[copy];
     if path.path_type != PathType::BoundaryInside {
@@ -147,17 +154,19 @@ fn push(scene: &Scene<'_>, copy: usize, push: &mut BoundaryPush, forces: &mut Fo
     let segments = &analysis.paths.segments[path.segments.clone()];
     let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return false };
     let law = law(settings, edge_length_m);
-    let mut mean = |over| push.mean_step(mesh, frame, points, segments, over, &law, edge_length_m);
-    let (over_partner, over_own) = (mean(Over::Partner), mean(Over::Own));
-    if over_partner.is_none() && over_own.is_none() {
+    let path = PushedPath { mesh, frame, points, segments, law, edge_length_m };
+    let over_partner = push.steps(&path, Over::Partner, &mut steps[0]);
+    let over_own = push.steps(&path, Over::Own, &mut steps[1]);
+    if !over_partner && !over_own {
         return false;
     }
-    let step = over_partner.unwrap_or_else(Vector3::zeros) - over_own.unwrap_or_else(Vector3::zeros);
     for (index, segment) in segments.iter().enumerate() {
         let (start, end) = (&points[index], &points[index + 1]);
         let own = MaterialPoint::middle(mesh, segment.own, [&start.own, &end.own]);
         let partner = MaterialPoint::middle(mesh, segment.partner, [&start.partner, &end.partner]);
         if let (Some(own), Some(partner)) = (own, partner) {
+            // The path goes over the partner's boundary, the partner over that of the path.
+            let step = steps[0][index] - steps[1][index];
             forces.add_pair(&own, &partner, step * mass_at(mesh, &own), law.largest_m);
         }
     }
