@@ -1,6 +1,7 @@
 //! From inside regions and targets to corrections.
 
 mod contour;
+mod displace;
 mod flags;
 mod forces;
 mod push;
