@@ -42,7 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => files.push(argument),
         }
     }
-    println!("{:<24} {:>8} {:>6} {:>6} {:>6} {:>7} {:>9} {:>9}", "scene", "before", "steps", "held", "after", "stretch", "force", "torque");
+    println!(
+        "{:<24} {:>8} {:>6} {:>6} {:>6} {:>7} {:>9} {:>9}",
+        "scene", "before", "steps", "held", "after", "stretch", "force", "torque"
+    );
     for file in files {
         let Some(scene) = Scene::read(&file, flat, strip_uvs)? else {
             println!("{file:<24} can't be used");
@@ -121,7 +124,8 @@ impl Scene {
             after = outcome.analysis.intersections.edge_face.len();
             before.get_or_insert(after);
             if verbose {
-                let types: Vec<_> = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments)).collect();
+                let types: Vec<_> =
+                    outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments)).collect();
                 let corrections = outcome.corrections;
                 println!("  {step:>3} {after:>5} {:>9.4} {types:?}", corrections.max_displacement_m);
                 for path in &outcome.correspondences.paths {
@@ -151,9 +155,19 @@ impl Scene {
             }
         }
         let stretched = edge_lengths(&self.mesh, &self.positions);
-        let stretch = lengths.iter().zip(&stretched).map(|(a, b)| (b / a).ln()).fold(0.0f64, |m, s| if s.abs() > m.abs() { s } else { m });
+        let stretch = lengths
+            .iter()
+            .zip(&stretched)
+            .map(|(a, b)| (b / a).ln())
+            .fold(0.0f64, |m, s| if s.abs() > m.abs() { s } else { m });
         let steps = steps.map_or("-".into(), |steps| steps.to_string());
-        let held = if steps == "-" { "" } else if held { "yes" } else { "no" };
+        let held = if steps == "-" {
+            ""
+        } else if held {
+            "yes"
+        } else {
+            "no"
+        };
         let before = before.unwrap_or(0);
         Ok(format!("{before:>8} {steps:>6} {held:>6} {after:>6} {:>7.2} {force:>9.1e} {torque:>9.1e}", stretch.exp()))
     }

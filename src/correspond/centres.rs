@@ -159,7 +159,8 @@ mod tests {
         let circle: Vec<_> = (0..8).map(|k| f64::from(k) * 0.785).map(|a| Point2::new(a.cos(), a.sin())).collect();
         assert!(spread(&circle) > 0.9);
         assert!(spread(&[Point2::new(0.0, 0.0), Point2::new(1.0, 1.0), Point2::new(2.0, 2.0)]) < 1e-7);
-        let mut centres = Centres { from: vec![circle[0], circle[1], circle[0]], to: circle[..3].to_vec(), num_on_path: 0 };
+        let mut centres =
+            Centres { from: vec![circle[0], circle[1], circle[0]], to: circle[..3].to_vec(), num_on_path: 0 };
         centres.drop_duplicates(1e-9);
         assert_eq!(centres.from, circle[..2]);
         assert_eq!(centres.to, circle[..2]);

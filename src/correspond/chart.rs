@@ -38,6 +38,14 @@ pub(crate) struct Chart {
     has_point: Vec<bool>,
 }
 
+/// Two sides of a face, in the chart (`u`, `v`) and in the world (`x`, `y`).
+struct Sides {
+    u: Vector2<f64>,
+    v: Vector2<f64>,
+    x: Vector3<f64>,
+    y: Vector3<f64>,
+}
+
 impl Chart {
     /// The patch, to be filled before [`build`](Self::build).
     pub(crate) fn patch_mut(&mut self) -> &mut Patch {
@@ -52,8 +60,7 @@ impl Chart {
         if !self.unfolding.unfold(mesh, &self.patch, &self.shapes) {
             return None;
         }
-        let relaxed =
-            self.unfolding.misfit > LARGEST_MISFIT && relax(&self.patch, &self.shapes, &mut self.unfolding);
+        let relaxed = self.unfolding.misfit > LARGEST_MISFIT && relax(&self.patch, &self.shapes, &mut self.unfolding);
         self.scale_to_metres(frame)?;
         self.index(mesh);
         Some(ChartKind { source, relaxed })
@@ -82,9 +89,12 @@ impl Chart {
 
     fn reached(&self) -> impl Iterator<Item = (&[u32; 3], usize)> {
         let facing = self.unfolding.facing.iter();
-        self.patch.corners().iter().zip(facing).enumerate().filter_map(|(face, (corners, &facing))| {
-            (facing != Facing::Unreached).then_some((corners, face))
-        })
+        self.patch
+            .corners()
+            .iter()
+            .zip(facing)
+            .enumerate()
+            .filter_map(|(face, (corners, &facing))| (facing != Facing::Unreached).then_some((corners, face)))
     }
 
     fn index(&mut self, mesh: &Mesh) {
@@ -147,15 +157,27 @@ impl Chart {
     }
 
     /// The unit direction of the world that a direction of the chart has in a face.
-    pub(crate) fn to_world(&self, mesh: &Mesh, frame: &Frame, face: FaceId, direction: Vector2<f64>) -> Option<Vector3<f64>> {
-        let (u, v, x, y) = self.sides(mesh, frame, face)?;
+    pub(crate) fn to_world(
+        &self,
+        mesh: &Mesh,
+        frame: &Frame,
+        face: FaceId,
+        direction: Vector2<f64>,
+    ) -> Option<Vector3<f64>> {
+        let Sides { u, v, x, y } = self.sides(mesh, frame, face)?;
         let along = x * direction.perp(&v) + y * u.perp(&direction);
         (along * u.perp(&v).signum()).try_normalize(0.0)
     }
 
     /// The unit direction of the chart that a direction of the world, in the plane of a face, has there.
-    pub(crate) fn to_chart(&self, mesh: &Mesh, frame: &Frame, face: FaceId, direction: Vector3<f64>) -> Option<Vector2<f64>> {
-        let (u, v, x, y) = self.sides(mesh, frame, face)?;
+    pub(crate) fn to_chart(
+        &self,
+        mesh: &Mesh,
+        frame: &Frame,
+        face: FaceId,
+        direction: Vector3<f64>,
+    ) -> Option<Vector2<f64>> {
+        let Sides { u, v, x, y } = self.sides(mesh, frame, face)?;
         // Coordinates of the direction in the two sides, up to their common positive factor.
         let (xx, xy, yy) = (x.norm_squared(), x.dot(&y), y.norm_squared());
         let (px, py) = (direction.dot(&x), direction.dot(&y));
@@ -163,16 +185,11 @@ impl Chart {
     }
 
     /// Two sides of a face from its first corner, in the chart and in the world.
-    fn sides(
-        &self,
-        mesh: &Mesh,
-        frame: &Frame,
-        face: FaceId,
-    ) -> Option<(Vector2<f64>, Vector2<f64>, Vector3<f64>, Vector3<f64>)> {
+    fn sides(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Option<Sides> {
         let [a, b, c] = mesh.face(face);
         let (flat, world) = (self.vertex(a)?, frame.position(a));
-        let chart = (self.vertex(b)? - flat, self.vertex(c)? - flat);
-        Some((chart.0, chart.1, frame.position(b) - world, frame.position(c) - world))
+        let (u, v) = (self.vertex(b)? - flat, self.vertex(c)? - flat);
+        Some(Sides { u, v, x: frame.position(b) - world, y: frame.position(c) - world })
     }
 
     /// The point of the cloth with the given coordinates, or the nearest on the outline of the chart.

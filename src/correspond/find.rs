@@ -3,7 +3,10 @@
 use nalgebra::{Point2, Point3};
 
 use super::{
-    Correspondences, MaterialPoint, PathCorrespondence, Pull, centres::Centres, chart::Chart, rbf::ThinPlate,
+    Correspondences, MaterialPoint, PathCorrespondence, Pull,
+    centres::Centres,
+    chart::Chart,
+    rbf::ThinPlate,
     sheets::Sheets,
     track::{Sheet, Track},
 };
@@ -102,8 +105,8 @@ impl Correspondent {
             return None;
         }
         let side = self.track.region_side(mesh, points, Sheet::Own, own, region)?;
-        let image_side = partner_region
-            .and_then(|region| self.track.region_side(mesh, points, Sheet::Partner, partner, region));
+        let image_side =
+            partner_region.and_then(|region| self.track.region_side(mesh, points, Sheet::Partner, partner, region));
         let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
         let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
 
@@ -139,14 +142,7 @@ impl Correspondent {
 }
 
 /// Adds the way from a point to its target, if both lie in the charts.
-fn pull(
-    mesh: &Mesh,
-    own: &Chart,
-    partner: &Chart,
-    plate: &ThinPlate,
-    source: MaterialPoint,
-    pulls: &mut Vec<Pull>,
-) {
+fn pull(mesh: &Mesh, own: &Chart, partner: &Chart, plate: &ThinPlate, source: MaterialPoint, pulls: &mut Vec<Pull>) {
     let target = own.material_point(&source).and_then(|point| partner.locate(mesh, plate.evaluate(point)));
     if let Some(target) = target {
         pulls.push(Pull { source, target });

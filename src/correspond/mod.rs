@@ -17,6 +17,8 @@ mod relax;
 mod samples;
 mod shapes;
 mod sheets;
+#[cfg(test)]
+mod tests;
 mod track;
 mod unfold;
 

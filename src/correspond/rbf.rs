@@ -80,9 +80,8 @@ impl ThinPlate {
             (false, true) => monomial(self.centres[column], row - num_centres),
             (false, false) => 0.0,
         });
-        let mut unknowns = Mat::from_fn(size, 2, |row, axis| {
-            if row < num_centres { self.to.apply(values[row])[axis] } else { 0.0 }
-        });
+        let mut unknowns =
+            Mat::from_fn(size, 2, |row, axis| if row < num_centres { self.to.apply(values[row])[axis] } else { 0.0 });
         self.rank = solve_by_rank(&matrix, &mut unknowns);
         let at = |row: usize| Vector2::new(unknowns[(row, 0)], unknowns[(row, 1)]);
         self.weights.clear();

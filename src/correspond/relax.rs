@@ -115,14 +115,14 @@ fn conform(faces: &[Face], start: &[Point2<f64>], points: &mut [Point2<f64>]) ->
         }
     }
     let mut places = Mat::zeros(2 * num_points, 1);
-    for vertex in 0..num_points {
+    for (vertex, place) in start.iter().enumerate() {
         let held = vertex == first || vertex == second || !used[vertex];
-        for axis in 0..2 {
+        for (axis, &value) in place.iter().enumerate() {
             let row = 2 * vertex + axis;
             // The tiny weight keeps vertices that hang on by nothing but a corner from making the system singular.
             let weight = if held { 1.0 } else { 1e-12 };
             entries.push(Triplet { row, col: row, val: weight });
-            places[(row, 0)] = weight * start[vertex][axis];
+            places[(row, 0)] = weight * value;
         }
     }
     if !solve(2 * num_points, &entries, &mut places) {
@@ -170,8 +170,7 @@ fn stiffen(faces: &[Face], points: &mut [Point2<f64>]) -> bool {
         for face in faces {
             let mut spin = Vector2::zeros();
             for (k, &weight) in face.weights.iter().enumerate() {
-                let (shape, lies) =
-                    (face.sides[k], points[face.corners[(k + 1) % 3]] - points[face.corners[k]]);
+                let (shape, lies) = (face.sides[k], points[face.corners[(k + 1) % 3]] - points[face.corners[k]]);
                 spin += Vector2::new(shape.dot(&lies), shape.perp(&lies)) * weight;
             }
             let length = spin.norm();
@@ -182,7 +181,8 @@ fn stiffen(faces: &[Face], points: &mut [Point2<f64>]) -> bool {
             }
             for (k, &weight) in face.weights.iter().enumerate() {
                 let side = face.sides[k];
-                let turned = Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
+                let turned =
+                    Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
                 for axis in 0..2 {
                     places[(face.corners[k], axis)] -= turned[axis];
                     places[(face.corners[(k + 1) % 3], axis)] += turned[axis];

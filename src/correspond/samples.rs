@@ -1,6 +1,6 @@
 //! Meshes made by hand for the tests of this floor.
 
-use crate::mesh::{FaceId, Mesh, MeshDescription, VertexId};
+use crate::mesh::{FaceId, Mesh, MeshDescription};
 use nalgebra::Point2;
 
 /// A flat sheet of `columns x rows` squares with edges of `edge_m`, two triangles each, and its flat coordinates.
@@ -37,9 +37,4 @@ pub(crate) fn sheet_faces(columns: u32, rows: u32) -> Vec<[u32; 3]> {
 /// All faces of a mesh, then nothing else.
 pub(crate) fn all_faces(mesh: &Mesh) -> Vec<FaceId> {
     mesh.face_ids().collect()
-}
-
-/// Vertices of a mesh by their coordinates.
-pub(crate) fn vertices_where(points: &[Point2<f64>], inside: impl Fn(Point2<f64>) -> bool) -> Vec<VertexId> {
-    (0u32..).zip(points).filter(|&(_, &point)| inside(point)).map(|(vertex, _)| VertexId(vertex)).collect()
 }

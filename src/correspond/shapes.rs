@@ -37,9 +37,9 @@ pub(crate) fn measure(mesh: &Mesh, frame: &Frame, patch: &Patch, shapes: &mut Ve
     }
     shapes.clear();
     if let Some(rest) = mesh.rest_positions() {
-        shapes.extend(patch.faces().iter().map(|&face| {
-            flat(mesh.face(face).map(|vertex| Point3::from(rest[vertex.index()])))
-        }));
+        shapes.extend(
+            patch.faces().iter().map(|&face| flat(mesh.face(face).map(|vertex| Point3::from(rest[vertex.index()])))),
+        );
         return ShapeSource::Rest;
     }
     shapes.extend(patch.faces().iter().map(|&face| flat(mesh.face(face).map(|vertex| frame.position(vertex)))));

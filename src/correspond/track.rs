@@ -32,7 +32,14 @@ pub(crate) enum Sheet {
 
 impl Track {
     /// Takes a path. False if one of its points lies outside of the charts.
-    pub(crate) fn lay(&mut self, mesh: &Mesh, points: &[PathPoint], closed: bool, own: &Chart, partner: &Chart) -> bool {
+    pub(crate) fn lay(
+        &mut self,
+        mesh: &Mesh,
+        points: &[PathPoint],
+        closed: bool,
+        own: &Chart,
+        partner: &Chart,
+    ) -> bool {
         self.own.clear();
         self.partner.clear();
         self.arclength.clear();

@@ -31,7 +31,7 @@ pub(crate) fn length_gradient(
     let direction = |from: usize, to: usize| {
         (points[to].position - points[from].position).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
     };
-    for index in 0..count {
+    for (index, point) in points.iter().enumerate().take(count) {
         let mut leaving = Vector3::zeros();
         if index < last {
             leaving += direction(index, index + 1);
@@ -41,7 +41,7 @@ pub(crate) fn length_gradient(
         } else if closed {
             leaving += direction(0, last - 1);
         }
-        let (edge, parameter, face, barycentric) = match (points[index].own, points[index].partner) {
+        let (edge, parameter, face, barycentric) = match (point.own, point.partner) {
             (SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
             | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter }) => {
                 (edge, parameter, face, barycentric)

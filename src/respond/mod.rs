@@ -6,6 +6,8 @@ mod flags;
 mod forces;
 mod push;
 mod responder;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::Vector3;
 
