@@ -1,19 +1,27 @@
 //! Steps to no intersection: quasi-static relaxation with the corrections, without a daemon.
 //!
-//! `cargo run --release --example relax_table -- [--response rbf|contour|mask|...] [--rest uv|input] [--steps N] FILE.obj...`
+//! ```sh
+//! cargo run --release --example relax_table -- [--response rbf|contour|displacement|mask] [--rest uv|input] [--steps N]
+//!     [--step H] [--stiffness K] [--no-uvs] [--verbose] FILE...
+//! ```
 //!
 //! Each step moves every vertex by its correction and then makes some iterations of position-based dynamics (Müller, Heidelberger,
 //! Hennix and Ratcliff 2007) on edge lengths and on the distances across edges, towards the flat sheet (`uv`) or the shape of the
 //! input (`input`).
-#![allow(clippy::print_stdout)]
+#![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
 
-use std::{env, error::Error, fs, sync::Arc};
+use std::{env, error::Error, sync::Arc};
 
 use nalgebra::Vector3;
+use serde::{
+    Deserialize,
+    de::{IntoDeserializer, value::Error as ValueError},
+};
 use untangled::{
     frame::Frame,
-    mesh::{Mesh, MeshDescription, Uvs, VertexId},
-    settings::Settings,
+    io::{concatenate, read_mesh},
+    mesh::{Mesh, Uvs, VertexId},
+    settings::{Response, Settings},
     untangler::Untangler,
 };
 
@@ -31,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         match argument.as_str() {
             "--response" => {
                 let name = value()?;
-                settings.response = serde_json::from_value(serde_json::Value::String(name))?;
+                settings.response =
+                    Response::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name.as_str()))?;
             }
             "--rest" => flat = value()? == "uv",
             "--steps" => most = value()?.parse()?,
@@ -67,44 +76,13 @@ struct Scene {
 
 impl Scene {
     fn read(file: &str, flat: bool, strip_uvs: bool) -> Result<Option<Self>, Box<dyn Error>> {
-        let (mut positions, mut coordinates) = (Vec::new(), Vec::new());
-        let (mut faces, mut corners) = (Vec::new(), Vec::new());
-        for line in fs::read_to_string(file)?.lines() {
-            let mut words = line.split_whitespace();
-            match words.next() {
-                Some("v") => {
-                    let v: Vec<f64> = words.map(str::parse).collect::<Result<_, _>>()?;
-                    positions.push([v[0], v[1], v[2]]);
-                }
-                Some("vt") => {
-                    let v: Vec<f64> = words.map(str::parse).collect::<Result<_, _>>()?;
-                    coordinates.push([v[0], v[1]]);
-                }
-                Some("f") => {
-                    let (mut face, mut uv) = (Vec::new(), Vec::new());
-                    for word in words {
-                        let mut parts = word.split('/');
-                        face.push(parts.next().unwrap_or("").parse::<u32>()? - 1);
-                        uv.extend(parts.next().and_then(|part| part.parse::<u32>().ok()).map(|index| index - 1));
-                    }
-                    for k in 1..face.len() - 1 {
-                        faces.push([face[0], face[k], face[k + 1]]);
-                        if uv.len() == face.len() {
-                            corners.push([uv[0], uv[k], uv[k + 1]]);
-                        }
-                    }
-                }
-                _ => {}
-            }
+        let Ok(file) = read_mesh(file) else { return Ok(None) };
+        let mut world = concatenate(&[file])?;
+        let flat_uvs = if flat { world.description.uvs.clone() } else { None };
+        if strip_uvs {
+            world.description.uvs = None;
         }
-        let uvs = (corners.len() == faces.len()).then_some(Uvs { coordinates, corners });
-        let flat_uvs = if flat { uvs.clone() } else { None };
-        let description = MeshDescription {
-            num_vertices: positions.len(),
-            faces,
-            uvs: if strip_uvs { None } else { uvs },
-            ..Default::default()
-        };
+        let (description, positions) = (world.description, world.positions);
         let Ok(mesh) = Mesh::new(description) else { return Ok(None) };
         if Frame::new(&mesh, &positions).is_err() {
             return Ok(None);

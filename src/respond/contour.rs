@@ -41,19 +41,20 @@ pub(crate) fn length_gradient(
         } else if closed {
             leaving += direction(0, last - 1);
         }
-        let (edge, parameter, face, barycentric) = match (point.own, point.partner) {
+        let pierced = match (point.own, point.partner) {
             (SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
             | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter }) => {
-                (edge, parameter, face, barycentric)
+                directions(mesh, frame, edge, face).map(|directions| (edge, parameter, face, barycentric, directions))
             }
-            (SurfacePoint::Vertex(vertex), _) | (_, SurfacePoint::Vertex(vertex)) => {
-                add(vertex, -leaving);
-                continue;
-            }
-            // No other points lie on paths.
-            _ => continue,
+            _ => None,
         };
-        let Some((along, normal)) = directions(mesh, frame, edge, face) else { continue };
+        let Some((edge, parameter, face, barycentric, (along, normal))) = pierced else {
+            // A loop vertex, or two boundaries in exact contact: each sheet takes its half.
+            for place in [&point.own, &point.partner] {
+                spread(mesh, place, leaving * -0.5, &mut add);
+            }
+            continue;
+        };
         let incidence = along.dot(&normal);
         let squared = incidence * incidence + guard;
         let c = if squared > 0.0 { along.dot(&leaving) * incidence / squared } else { 0.0 };
@@ -63,6 +64,23 @@ pub(crate) fn length_gradient(
         add(end, slide * -parameter);
         for (vertex, weight) in mesh.face(face).into_iter().zip(barycentric) {
             add(vertex, normal * (-weight * c));
+        }
+    }
+}
+
+/// Spreads a vector over the vertices of a place.
+fn spread(mesh: &Mesh, place: &SurfacePoint, vector: Vector3<f64>, add: &mut impl FnMut(VertexId, Vector3<f64>)) {
+    match *place {
+        SurfacePoint::Vertex(vertex) => add(vertex, vector),
+        SurfacePoint::Edge { edge, parameter } => {
+            for (vertex, weight) in mesh.edge(edge).into_iter().zip([1.0 - parameter, parameter]) {
+                add(vertex, vector * weight);
+            }
+        }
+        SurfacePoint::Face { face, barycentric } => {
+            for (vertex, weight) in mesh.face(face).into_iter().zip(barycentric) {
+                add(vertex, vector * weight);
+            }
         }
     }
 }
