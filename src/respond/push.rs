@@ -193,7 +193,7 @@ impl BoundaryPush {
             return along_sides;
         }
         // An inner edge from boundary to boundary cuts a corner: the front does not start all along it.
-        if known == [0.0; 2] && !self.is_boundary_edge(mesh, others) {
+        if known.iter().all(|&distance| distance <= 0.0) && !self.is_boundary_edge(mesh, others) {
             return along_sides;
         }
         // The front is the plane wave with slope 1 through both values: |Q^-1 (values - d)| = 1 in the frame of the two sides.
