@@ -19,8 +19,8 @@ use crate::{
     settings::{Response, Settings},
 };
 
-/// Points of a path stand for the force of this many vertices, per edge length of path. Without them regions of few vertices
-/// stay: on the test scenes 0 left one tangle and 2 was as good as any.
+/// Points of a path stand for the force of this many vertices, per edge length of path. Without them regions of few vertices stay:
+/// of 0, 0.5, 1, 2 and 4, tried on one set of small scenes, 0 and 0.5 left two scenes tangled within 100 steps; from 1 on little changed.
 const PARTING_WEIGHT: f64 = 2.0;
 /// The same for the points of a BI path.
 const PUSH_WEIGHT: f64 = 2.0;
@@ -82,7 +82,8 @@ impl Responder {
                 if settings.response != Response::Contour {
                     push(&scene, copy, &mut self.push, &mut self.steps, &mut self.forces);
                 }
-                // Also beside the push: together they are about twice as fast as either alone.
+                // Also beside the push: on the few BI scenes tried, shortening alone never resolved, and both were somewhat faster
+                // than the push alone.
                 shorten(&scene, copy, &mut self.forces);
             }
             self.forces.finish(mesh, frame, &mut self.corrections);
