@@ -217,7 +217,7 @@ const EXPLANATIONS: &[(&str, &str)] = &[
     ("[settings]", "Settings of sessions, where a session does not choose its own by the same names."),
     (
         "settings.response",
-        "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths) or `mask` (flags only).",
+        "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to the targets) or `mask` (flags only).",
     ),
     ("settings.inside", "Which side of a path is inside: the one with fewer vertices, `count`, or with less `area`."),
     (

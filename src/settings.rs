@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// All choices for one session. Lengths are in metres where the name says so, otherwise relative to the mean edge length `h` of the
-/// frame, so that the defaults fit cloth of any size.
+/// faces that a path runs through, so that the defaults fit cloth of any size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -21,9 +21,9 @@ pub struct Settings {
     pub pinned_outside: bool,
     /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per unit mass).
     pub stiffness_per_step2: f64,
-    /// Largest correction of a vertex in one step, in mean edge lengths: the `f_max` of the force law, per unit mass and step^2.
+    /// Largest correction of a vertex in one step, in `h`: the `f_max` of the force law, per unit mass and step^2.
     pub max_step_edge_lengths: f64,
-    /// Thickness of the cloth in metres. Without it the mean edge length stands in.
+    /// Thickness of the cloth in metres. Without it `h` stands in.
     pub thickness_m: Option<f64>,
     /// Fewest centres of a radial basis function fit.
     pub min_centres: usize,
@@ -42,6 +42,9 @@ pub enum Response {
     Rbf,
     /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
     Contour,
+    /// Straight displacement to the targets, most of the way in one step: for repairs, not for simulations, since it keeps no
+    /// momentum. Paths without targets get the forces.
+    Displacement,
     /// Flags only: no forces.
     Mask,
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::{
     analysis::{Analyser, Analysis, StageObserver},
+    correspond::Correspondences,
     frame::Frame,
     mesh::Mesh,
     respond::{Corrections, Responder},
@@ -25,6 +26,8 @@ pub struct Untangler {
 pub struct Outcome<'a> {
     /// The global intersection analysis.
     pub analysis: &'a Analysis,
+    /// Targets of the points inside; empty where the response does without.
+    pub correspondences: &'a Correspondences,
     /// The corrections.
     pub corrections: &'a Corrections,
 }
@@ -64,7 +67,11 @@ impl Untangler {
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         let analysis = self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
-        let corrections = self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
-        Outcome { analysis, corrections }
+        self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
+        Outcome {
+            analysis,
+            correspondences: self.responder.correspondences(),
+            corrections: self.responder.corrections(),
+        }
     }
 }

@@ -1,13 +1,17 @@
 //! From inside regions and targets to corrections.
 
+mod contour;
+mod displace;
+mod flags;
+mod forces;
+mod push;
+mod responder;
+#[cfg(test)]
+mod tests;
+
 use nalgebra::Vector3;
 
-use crate::{
-    analysis::{Analysis, StageObserver},
-    frame::Frame,
-    mesh::Mesh,
-    settings::Settings,
-};
+pub use responder::Responder;
 
 /// What a host should know about a vertex, besides its correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,29 +53,4 @@ pub struct Corrections {
     pub net_torque: Vector3<f64>,
     /// Length of the longest displacement of one step, in metres.
     pub max_displacement_m: f64,
-}
-
-/// Computes corrections, reusing its memory from frame to frame.
-#[derive(Debug, Default)]
-pub struct Responder {
-    corrections: Corrections,
-}
-
-impl Responder {
-    /// Computes the corrections of one frame from its analysis.
-    pub fn respond(
-        &mut self,
-        mesh: &Mesh,
-        frame: &Frame,
-        analysis: &Analysis,
-        settings: &Settings,
-        observer: &mut dyn StageObserver,
-    ) -> &Corrections {
-        let _ = (frame, analysis, settings, observer);
-        self.corrections.forces.clear();
-        self.corrections.forces.resize(mesh.num_vertices(), Vector3::zeros());
-        self.corrections.flags.clear();
-        self.corrections.flags.resize(mesh.num_vertices(), VertexFlags::default());
-        &self.corrections
-    }
 }

@@ -38,7 +38,7 @@ pub(super) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFau
 
 /// The header for a frame that was worked on; times are filled in last.
 pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcome<'_>) -> CorrectionHeader {
-    let Outcome { analysis, corrections } = outcome;
+    let Outcome { analysis, corrections, .. } = outcome;
     let mut num_pairs = [0; 16];
     for pair in &analysis.paths.pairs {
         num_pairs[pair_index(pair.pair_type)] += 1;

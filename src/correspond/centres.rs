@@ -1,0 +1,168 @@
+//! Centres of a fit: equidistant on the path, and beside it where the path alone does not say what happens across.
+
+use nalgebra::{Point2, Vector2};
+
+use super::track::Track;
+
+/// Paths whose centres spread across their main direction by less than this part of the spread along it count as nearly straight.
+const NEARLY_STRAIGHT: f64 = 0.25;
+/// Centres closer than this part of the path length are one.
+const DUPLICATE: f64 = 1e-6;
+
+/// Centres and the values that a fit must take there.
+#[derive(Debug, Default)]
+pub(crate) struct Centres {
+    /// Places in the chart of the path.
+    pub(crate) from: Vec<Point2<f64>>,
+    /// The same places in the chart of the corresponding path.
+    pub(crate) to: Vec<Point2<f64>>,
+    /// How many lie on the path; those beside it follow.
+    pub(crate) num_on_path: usize,
+}
+
+impl Centres {
+    /// Chooses the centres of a path.
+    ///
+    /// Across a straight path the data on the path say nothing, and across a nearly straight one little more than noise. There the
+    /// fit gets centres on both sides too: what lies `offset` beside the path inside goes `offset` beside the corresponding path, to the
+    /// side `side.1`. The noise that the paper adds instead makes the slope across the path random.
+    ///
+    /// `side` holds the sides, 1 for left and -1 for right of the direction of travel, on which the inside and its image lie.
+    pub(crate) fn choose(&mut self, track: &Track, count: usize, side: (f64, f64), offset: f64) {
+        track.sample(count, &mut self.from, &mut self.to);
+        self.drop_duplicates(DUPLICATE * track.length());
+        self.num_on_path = self.from.len();
+        if self.num_on_path >= 2 && spread(&self.from) < NEARLY_STRAIGHT {
+            for index in 0..self.num_on_path {
+                let (before, behind) = (index.saturating_sub(1), (index + 1).min(self.num_on_path - 1));
+                let (u, v) = (self.from[behind] - self.from[before], self.to[behind] - self.to[before]);
+                let (length, image) = (u.norm(), v.norm());
+                if length == 0.0 || image == 0.0 {
+                    continue;
+                }
+                // The image is as much larger beside the path as it is along it.
+                let scale = (image / length).clamp(0.25, 4.0);
+                let (across, image_across) = (left_of(u / length) * side.0, left_of(v / image) * side.1);
+                for step in [offset, -offset] {
+                    self.from.push(self.from[index] + across * step);
+                    self.to.push(self.to[index] + image_across * (step * scale));
+                }
+            }
+            self.drop_duplicates(1e-3 * offset);
+        }
+    }
+
+    fn drop_duplicates(&mut self, distance: f64) {
+        let mut kept = 0;
+        for index in 0..self.from.len() {
+            let point = self.from[index];
+            if self.from[..kept].iter().all(|other| (other - point).norm() > distance) {
+                self.from[kept] = point;
+                self.to[kept] = self.to[index];
+                kept += 1;
+            }
+        }
+        self.from.truncate(kept);
+        self.to.truncate(kept);
+    }
+}
+
+/// Spread of points across their main direction, as a part of the spread along it.
+fn spread(points: &[Point2<f64>]) -> f64 {
+    let mut mean = Vector2::zeros();
+    for point in points {
+        mean += point.coords;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "counts of at most a thousand")]
+    let mean = mean / points.len() as f64;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for point in points {
+        let d = point.coords - mean;
+        xx += d.x * d.x;
+        xy += d.x * d.y;
+        yy += d.y * d.y;
+    }
+    let middle = 0.5 * (xx + yy);
+    let half = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+    if middle + half > 0.0 { ((middle - half).max(0.0) / (middle + half)).sqrt() } else { 0.0 }
+}
+
+fn left_of(direction: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-direction.y, direction.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        correspond::{chart::Chart, rbf::ThinPlate, samples::sheet},
+        frame::Frame,
+        mesh::Mesh,
+        paths::{PathPoint, SurfacePoint},
+    };
+
+    /// A straight path over a sheet of 1 m x 1 m at x = 0.42, its partner at x = 0.58, and the chart of the sheet.
+    fn fold() -> (Mesh, Frame, Chart, Vec<PathPoint>) {
+        let (mesh, flat) = sheet(10, 10, 0.1);
+        let positions: Vec<_> = flat.iter().map(|p| [p.x, p.y, 0.0]).collect();
+        let frame = Frame::new(&mesh, &positions).unwrap();
+        let mut chart = Chart::default();
+        chart.patch_mut().start(&mesh, mesh.face_ids());
+        chart.build(&mesh, &frame).unwrap();
+        let place = |x: f64, y: f64| {
+            let face = mesh
+                .face_ids()
+                .find_map(|face| {
+                    let [a, b, c] = mesh.face(face).map(|v| flat[v.index()]);
+                    let area = (b - a).perp(&(c - a));
+                    let p = Point2::new(x, y);
+                    let w = [(b - p).perp(&(c - p)), (c - p).perp(&(a - p)), (a - p).perp(&(b - p))].map(|w| w / area);
+                    w.iter().all(|&w| w >= -1e-9).then_some((face, w))
+                })
+                .unwrap();
+            SurfacePoint::Face { face: face.0, barycentric: face.1 }
+        };
+        let points = (0..=20)
+            .map(|k| {
+                let y = 0.2 + 0.03 * f64::from(k);
+                PathPoint { position: [0.0, y, 0.0].into(), own: place(0.42, y), partner: place(0.58, y) }
+            })
+            .collect();
+        (mesh, frame, chart, points)
+    }
+
+    #[test]
+    fn a_straight_path_gets_the_reflection_exactly() {
+        let (mesh, _, chart, points) = fold();
+        let mut track = Track::default();
+        assert!(track.lay(&mesh, &points, false, &chart, &chart));
+        assert!((track.length() - 0.6).abs() < 1e-12);
+        let mut centres = Centres::default();
+        // The way goes up: inside is to the right of the path and to the left of its partner.
+        let up = (track.own[20] - track.own[0]).normalize();
+        let right = Vector2::new(up.y, -up.x);
+        centres.choose(&track, 7, (-1.0, 1.0), 0.05);
+        assert_eq!((centres.num_on_path, centres.from.len()), (7, 21));
+        let mut plate = ThinPlate::default();
+        assert!(plate.fit(&centres.from, &centres.to));
+        assert_eq!(plate.rank(), 24);
+        for (along, across) in [(0.3, 0.02), (0.1, 0.2), (0.55, 0.3)] {
+            let at = plate.evaluate(track.own[0] + up * along + right * across);
+            let gap = (track.partner[0] - track.own[0]).dot(&right);
+            let expected = track.own[0] + up * along + right * (gap - across);
+            assert!((at - expected).norm() < 1e-9, "{at} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_round_path_needs_none_beside_it_and_duplicates_go() {
+        let circle: Vec<_> = (0..8).map(|k| f64::from(k) * 0.785).map(|a| Point2::new(a.cos(), a.sin())).collect();
+        assert!(spread(&circle) > 0.9);
+        assert!(spread(&[Point2::new(0.0, 0.0), Point2::new(1.0, 1.0), Point2::new(2.0, 2.0)]) < 1e-7);
+        let mut centres =
+            Centres { from: vec![circle[0], circle[1], circle[0]], to: circle[..3].to_vec(), num_on_path: 0 };
+        centres.drop_duplicates(1e-9);
+        assert_eq!(centres.from, circle[..2]);
+        assert_eq!(centres.to, circle[..2]);
+    }
+}

@@ -1,0 +1,218 @@
+//! Finds the correspondences of all paths of a frame.
+
+use nalgebra::{Point2, Point3};
+
+use super::{
+    Correspondences, MaterialPoint, PathCorrespondence, Pull,
+    centres::Centres,
+    chart::Chart,
+    rbf::ThinPlate,
+    sheets::Sheets,
+    track::{Sheet, Track},
+};
+use crate::{
+    analysis::Analysis,
+    frame::Frame,
+    mesh::{FaceId, Mesh, VertexId},
+    paths::{PathPoint, PathSegment},
+    settings::Settings,
+};
+
+/// Rings of faces round a path and its region in its own chart.
+const OWN_RINGS: usize = 2;
+/// A chart stops growing at this many faces; targets beyond it are drawn back to its outline.
+const MAX_FACES: usize = 40_000;
+/// Centres beside a path lie this far from it, in edge lengths.
+const CENTRE_OFFSET: f64 = 0.5;
+
+/// Finds correspondences, reusing its memory from frame to frame.
+#[derive(Debug, Default)]
+pub struct Correspondent {
+    correspondences: Correspondences,
+    own: Chart,
+    partner: Chart,
+    track: Track,
+    centres: Centres,
+    plate: ThinPlate,
+    face_points: Vec<(FaceId, Point3<f64>)>,
+}
+
+impl Correspondent {
+    /// Finds the correspondence of every path whose region divides its piece. Paths without one, and paths for which no chart
+    /// exists, are left out.
+    ///
+    /// Cost: for each path linear in its faces, its region and as much of the other sheet; cubic in its centres.
+    pub fn find(&mut self, mesh: &Mesh, frame: &Frame, analysis: &Analysis, settings: &Settings) -> &Correspondences {
+        self.clear();
+        for copy in 0..analysis.paths.copies.len() {
+            if is_partitioning(analysis, copy)
+                && let Some(found) = self.follow(mesh, frame, analysis, settings, copy)
+            {
+                self.correspondences.paths.push(found);
+            }
+        }
+        &self.correspondences
+    }
+
+    /// Forgets what was found.
+    pub(crate) fn clear(&mut self) -> &Correspondences {
+        self.correspondences.paths.clear();
+        self.correspondences.pulls.clear();
+        self.correspondences.partings.clear();
+        &self.correspondences
+    }
+
+    /// What was found last.
+    pub(crate) fn found(&self) -> &Correspondences {
+        &self.correspondences
+    }
+
+    /// The correspondence of one path with a region; nothing where there is no chart, or the region lies on no side of the path.
+    fn follow(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        analysis: &Analysis,
+        settings: &Settings,
+        copy: usize,
+    ) -> Option<PathCorrespondence> {
+        let path = &analysis.paths.copies[copy];
+        let points = &analysis.paths.points[path.points.clone()];
+        let segments = &analysis.paths.segments[path.segments.clone()];
+        let region = analysis.regions.vertices_of(copy);
+        let partner_region =
+            is_partitioning(analysis, path.partner).then(|| analysis.regions.vertices_of(path.partner));
+        let is_own_partner = path.partner == copy;
+        let edge_length_m = mean_edge_length(mesh, frame, segments)?;
+
+        let patch = self.own.patch_mut();
+        patch.start(mesh, segments.iter().map(|segment| segment.own));
+        patch.add_around(mesh, region);
+        patch.grow(mesh, OWN_RINGS, MAX_FACES);
+        let own_chart = self.own.build(mesh, frame)?;
+        let partner_chart = if is_own_partner {
+            own_chart
+        } else {
+            let rings = OWN_RINGS + 1 + depth(mesh, points, region, &self.own, edge_length_m);
+            let patch = self.partner.patch_mut();
+            patch.start(mesh, segments.iter().map(|segment| segment.partner));
+            patch.add_around(mesh, partner_region.unwrap_or(&[]));
+            patch.grow(mesh, rings, MAX_FACES);
+            self.partner.build(mesh, frame)?
+        };
+        let (own, partner) = (&self.own, if is_own_partner { &self.own } else { &self.partner });
+        if !self.track.lay(mesh, points, path.closed, own, partner) {
+            return None;
+        }
+        let side = self.track.region_side(mesh, points, Sheet::Own, own, region)?;
+        let image_side =
+            partner_region.and_then(|region| self.track.region_side(mesh, points, Sheet::Partner, partner, region));
+        let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
+        let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
+
+        let count = centre_count(self.track.length(), edge_length_m, settings);
+        self.centres.choose(&self.track, count, sides, CENTRE_OFFSET * edge_length_m);
+        if !self.plate.fit(&self.centres.from, &self.centres.to) {
+            return None;
+        }
+        // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
+        let share = if partner_region.is_some() { 0.5 } else { 1.0 };
+        let (first_pull, first_parting) = (self.correspondences.pulls.len(), self.correspondences.partings.len());
+        sheets.part(sides, share, &mut self.correspondences.partings);
+        if region.is_empty() {
+            points_within(mesh, points, segments, &mut self.face_points, |point| {
+                pull(mesh, own, partner, &self.plate, point, &mut self.correspondences.pulls);
+            });
+        }
+        for &vertex in region {
+            let point = MaterialPoint::vertex(vertex);
+            pull(mesh, own, partner, &self.plate, point, &mut self.correspondences.pulls);
+        }
+        Some(PathCorrespondence {
+            copy,
+            own_chart,
+            partner_chart,
+            num_centres: self.centres.from.len(),
+            rank_deficiency: self.centres.from.len() + 3 - self.plate.rank(),
+            edge_length_m,
+            pulls: first_pull..self.correspondences.pulls.len(),
+            partings: first_parting..self.correspondences.partings.len(),
+        })
+    }
+}
+
+/// Adds the way from a point to its target, if both lie in the charts.
+fn pull(mesh: &Mesh, own: &Chart, partner: &Chart, plate: &ThinPlate, source: MaterialPoint, pulls: &mut Vec<Pull>) {
+    let target = own.material_point(&source).and_then(|point| partner.locate(mesh, plate.evaluate(point)));
+    if let Some(target) = target {
+        pulls.push(Pull { source, target });
+    }
+}
+
+/// One point inside on each face that a region without vertices runs through: the middle of the path's ways through the face.
+/// Where there is only one such way there is no inside to speak of, and the path's own points must do.
+fn points_within(
+    mesh: &Mesh,
+    points: &[PathPoint],
+    segments: &[PathSegment],
+    scratch: &mut Vec<(FaceId, Point3<f64>)>,
+    mut found: impl FnMut(MaterialPoint),
+) {
+    scratch.clear();
+    for (index, segment) in segments.iter().enumerate() {
+        if let Some(middle) = MaterialPoint::middle(mesh, segment.own, [&points[index].own, &points[index + 1].own]) {
+            scratch.push((segment.own, Point3::from(middle.weights)));
+        }
+    }
+    scratch.sort_by_key(|&(face, _)| face);
+    for ways in scratch.chunk_by(|a, b| a.0 == b.0).filter(|ways| ways.len() > 1) {
+        let mut weights = [0.0; 3];
+        for (_, middle) in ways {
+            for (sum, weight) in weights.iter_mut().zip(middle.iter()) {
+                *sum += weight;
+            }
+        }
+        let sum: f64 = weights.iter().sum();
+        found(MaterialPoint { vertices: mesh.face(ways[0].0), weights: weights.map(|weight| weight / sum) });
+    }
+}
+
+fn is_partitioning(analysis: &Analysis, copy: usize) -> bool {
+    analysis.regions.by_copy[copy].as_ref().is_some_and(|region| region.partitioning)
+}
+
+/// How far, in edges, a region reaches from its path.
+fn depth(mesh: &Mesh, points: &[PathPoint], region: &[VertexId], own: &Chart, edge_length_m: f64) -> usize {
+    // Some thirty points of the path are enough for an estimate.
+    let stride = points.len() / 30 + 1;
+    let stations: Vec<Point2<f64>> =
+        points.iter().step_by(stride).filter_map(|point| own.point(mesh, &point.own)).collect();
+    let mut depth: f64 = 0.0;
+    for point in region.iter().filter_map(|&vertex| own.vertex(vertex)) {
+        let nearest = stations.iter().map(|station| (station - point).norm_squared()).fold(f64::INFINITY, f64::min);
+        if nearest.is_finite() {
+            depth = depth.max(nearest.sqrt());
+        }
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, which is what is wanted")]
+    let rings = (1.5 * depth / edge_length_m).ceil() as usize;
+    rings
+}
+
+/// Mean edge length of the faces that a path runs through; nothing if it is zero.
+pub(crate) fn mean_edge_length(mesh: &Mesh, frame: &Frame, segments: &[PathSegment]) -> Option<f64> {
+    let mut sum = 0.0;
+    for segment in segments {
+        let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));
+        sum += (b - a).norm() + (c - b).norm() + (a - c).norm();
+    }
+    #[expect(clippy::cast_precision_loss, reason = "a count of segments")]
+    let mean = sum / (3 * segments.len()) as f64;
+    (mean.is_finite() && mean > 0.0).then_some(mean)
+}
+
+fn centre_count(length_m: f64, edge_length_m: f64, settings: &Settings) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is limited")]
+    let wanted = (length_m / edge_length_m).round() as usize;
+    wanted.saturating_add(1).clamp(settings.min_centres, settings.max_centres)
+}

@@ -1,0 +1,137 @@
+//! A part of the cloth round a path, with vertex numbers of its own.
+
+use crate::mesh::{FaceId, Mesh, VertexId};
+
+const ABSENT: u32 = u32::MAX;
+
+/// Faces round a path and their vertices, numbered in the order in which they were found.
+///
+/// The tables over the whole mesh are made once and wiped by undoing, so that the cost of a patch is that of its faces.
+#[derive(Debug, Default)]
+pub(crate) struct Patch {
+    faces: Vec<FaceId>,
+    corners: Vec<[u32; 3]>,
+    vertices: Vec<VertexId>,
+    num_seeds: usize,
+    face_index: Vec<u32>,
+    vertex_index: Vec<u32>,
+}
+
+impl Patch {
+    /// Begins anew with the faces of a path, in the order of the path, each once.
+    pub(crate) fn start(&mut self, mesh: &Mesh, path_faces: impl Iterator<Item = FaceId>) {
+        for face in self.faces.drain(..) {
+            self.face_index[face.index()] = ABSENT;
+        }
+        for vertex in self.vertices.drain(..) {
+            self.vertex_index[vertex.index()] = ABSENT;
+        }
+        self.corners.clear();
+        self.face_index.resize(mesh.num_faces(), ABSENT);
+        self.vertex_index.resize(mesh.num_vertices(), ABSENT);
+        for face in path_faces {
+            self.add_face(mesh, face);
+        }
+        self.num_seeds = self.faces.len();
+    }
+
+    /// Adds every face that touches one of `vertices`.
+    pub(crate) fn add_around(&mut self, mesh: &Mesh, vertices: &[VertexId]) {
+        for &vertex in vertices {
+            for &face in mesh.vertex_faces(vertex) {
+                self.add_face(mesh, face);
+            }
+        }
+    }
+
+    /// Adds `rings` rings of faces, but stops once there are `max_faces`.
+    pub(crate) fn grow(&mut self, mesh: &Mesh, rings: usize, max_faces: usize) {
+        let mut first = 0;
+        for _ in 0..rings {
+            let last = self.vertices.len();
+            for slot in first..last {
+                if self.faces.len() >= max_faces {
+                    return;
+                }
+                for &face in mesh.vertex_faces(self.vertices[slot]) {
+                    self.add_face(mesh, face);
+                }
+            }
+            first = last;
+        }
+    }
+
+    fn add_face(&mut self, mesh: &Mesh, face: FaceId) {
+        if self.face_index[face.index()] != ABSENT {
+            return;
+        }
+        self.face_index[face.index()] = small(self.faces.len());
+        self.faces.push(face);
+        let corners = mesh.face(face).map(|vertex| {
+            let slot = &mut self.vertex_index[vertex.index()];
+            if *slot == ABSENT {
+                *slot = small(self.vertices.len());
+                self.vertices.push(vertex);
+            }
+            *slot
+        });
+        self.corners.push(corners);
+    }
+
+    /// The faces; those of the path come first.
+    pub(crate) fn faces(&self) -> &[FaceId] {
+        &self.faces
+    }
+
+    /// How many of the faces the path runs through.
+    pub(crate) fn num_seeds(&self) -> usize {
+        self.num_seeds
+    }
+
+    /// For each face its vertices in the numbers of the patch.
+    pub(crate) fn corners(&self) -> &[[u32; 3]] {
+        &self.corners
+    }
+
+    /// The vertices.
+    pub(crate) fn vertices(&self) -> &[VertexId] {
+        &self.vertices
+    }
+
+    /// The number of a face here, if it belongs to the patch.
+    pub(crate) fn local_face(&self, face: FaceId) -> Option<usize> {
+        self.face_index.get(face.index()).filter(|&&index| index != ABSENT).map(|&index| index as usize)
+    }
+
+    /// The number of a vertex here, if it belongs to the patch.
+    pub(crate) fn local_vertex(&self, vertex: VertexId) -> Option<usize> {
+        self.vertex_index.get(vertex.index()).filter(|&&index| index != ABSENT).map(|&index| index as usize)
+    }
+}
+
+fn small(index: usize) -> u32 {
+    u32::try_from(index).expect("a patch has no more elements than its mesh, whose indices fit 31 bits")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correspond::samples::sheet;
+
+    #[test]
+    fn rings_grow_from_the_path_and_a_new_start_forgets() {
+        let (mesh, _) = sheet(8, 8, 0.1);
+        let mut patch = Patch::default();
+        patch.start(&mesh, [FaceId(60)].into_iter());
+        assert_eq!((patch.faces().len(), patch.vertices().len(), patch.num_seeds()), (1, 3, 1));
+        patch.grow(&mesh, 1, usize::MAX);
+        assert_eq!(patch.faces().len(), 13);
+        let far = mesh.face(FaceId(0))[0];
+        assert_eq!(patch.local_vertex(far), None);
+        patch.start(&mesh, [FaceId(0)].into_iter());
+        assert_eq!(patch.local_face(FaceId(60)), None);
+        assert_eq!(patch.local_vertex(far), Some(0));
+        patch.grow(&mesh, 100, 20);
+        assert!(patch.faces().len() >= 20 && patch.faces().len() < 128);
+    }
+}

@@ -1,0 +1,278 @@
+//! Charts of surfaces that don't unfold: conformal start, then as rigid as possible.
+//!
+//! Two linear systems: least-squares conformal maps (Lévy, Petitjean, Ray and Maillot 2002) give a start without folds also for an
+//! annulus, where unfolding tears; then the local-global iteration of Liu, Zhang, Xu, Gotsman and Gortler (2008) brings the lengths
+//! back. Weights are cotangents of the shapes, kept positive so that the systems stay definite.
+
+use faer::{
+    Mat, Side,
+    linalg::solvers::Solve,
+    sparse::{SparseColMat, Triplet},
+};
+use nalgebra::{Point2, Vector2};
+
+use super::{
+    patch::Patch,
+    shapes::Shape,
+    unfold::{Facing, Unfolding},
+};
+
+const RIGID_ITERATIONS: usize = 8;
+/// Smallest weight of a side, and smallest area of a face as a part of its longest side squared.
+const SMALLEST_WEIGHT: f64 = 0.05;
+const SMALLEST_AREA: f64 = 1e-3;
+
+type Entry = Triplet<usize, usize, f64>;
+
+/// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with the places
+/// untouched, where a system can't be solved.
+pub(crate) fn relax(patch: &Patch, shapes: &[Shape], unfolding: &mut Unfolding) -> bool {
+    let start = unfolding.points.clone();
+    let faces: Vec<Face> = faces_of(patch, shapes, unfolding);
+    if faces.is_empty() || !conform(&faces, &start, &mut unfolding.points) || !stiffen(&faces, &mut unfolding.points) {
+        unfolding.points = start;
+        return false;
+    }
+    true
+}
+
+/// A reached face with its shape as it lies in the chart, at the scale of the unfolding.
+struct Face {
+    corners: [usize; 3],
+    sides: [Vector2<f64>; 3],
+    area: f64,
+    weights: [f64; 3],
+}
+
+fn faces_of(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding) -> Vec<Face> {
+    let mut faces = Vec::new();
+    let placed = unfolding.facing.iter().zip(&unfolding.scales);
+    for ((corners, shape), (facing, &scale)) in patch.corners().iter().zip(shapes).zip(placed) {
+        let mut shape = *shape;
+        match facing {
+            Facing::Unreached => continue,
+            Facing::Straight => {}
+            Facing::Mirrored => {
+                for point in &mut shape {
+                    point.y = -point.y;
+                }
+            }
+        }
+        let corners = corners.map(|vertex| vertex as usize);
+        let sides = sides(&shape).map(|side| side * scale);
+        let smallest = SMALLEST_AREA * longest(&sides).powi(2);
+        let area = (0.5 * sides[0].perp(&sides[2])).abs().max(smallest);
+        // The cotangent at the corner opposite side k, between the two other sides.
+        let weights = [0, 1, 2].map(|k| {
+            let cotangent = -sides[(k + 1) % 3].dot(&sides[(k + 2) % 3]) / (2.0 * area);
+            (0.5 * cotangent).clamp(SMALLEST_WEIGHT, 1.0 / SMALLEST_WEIGHT)
+        });
+        faces.push(Face { corners, sides, area, weights });
+    }
+    faces
+}
+
+fn sides(at: &Shape) -> [Vector2<f64>; 3] {
+    [at[1] - at[0], at[2] - at[1], at[0] - at[2]]
+}
+
+fn longest(sides: &[Vector2<f64>; 3]) -> f64 {
+    sides.iter().map(Vector2::norm).fold(0.0, f64::max)
+}
+
+/// Least squares of the Cauchy-Riemann equations of all faces, two vertices held where they lie.
+fn conform(faces: &[Face], start: &[Point2<f64>], points: &mut [Point2<f64>]) -> bool {
+    let num_points = points.len();
+    let mut entries: Vec<Entry> = Vec::with_capacity(36 * faces.len() + 4 * num_points);
+    let mut used = vec![false; num_points];
+    for face in faces {
+        for corner in face.corners {
+            used[corner] = true;
+        }
+        // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the corner.
+        let opposite = [1, 2, 0].map(|k: usize| face.sides[k] / (2.0 * face.area).sqrt());
+        let real: [(usize, f64); 6] = std::array::from_fn(|k| {
+            let (corner, axis) = (k / 2, k % 2);
+            (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].x } else { -opposite[corner].y })
+        });
+        let imaginary: [(usize, f64); 6] = std::array::from_fn(|k| {
+            let (corner, axis) = (k / 2, k % 2);
+            (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].y } else { opposite[corner].x })
+        });
+        for row in [real, imaginary] {
+            for (i, a) in row {
+                for (j, b) in row {
+                    entries.push(Triplet { row: i, col: j, val: a * b });
+                }
+            }
+        }
+    }
+    let first = faces[0].corners[0];
+    let mut second = first;
+    for (vertex, _) in used.iter().enumerate().filter(|&(_, &used)| used) {
+        if (start[vertex] - start[first]).norm_squared() > (start[second] - start[first]).norm_squared() {
+            second = vertex;
+        }
+    }
+    let mut places = Mat::zeros(2 * num_points, 1);
+    for (vertex, place) in start.iter().enumerate() {
+        let held = vertex == first || vertex == second || !used[vertex];
+        for (axis, &value) in place.iter().enumerate() {
+            let row = 2 * vertex + axis;
+            // The tiny weight keeps vertices that hang on by nothing but a corner from making the system singular.
+            let weight = if held { 1.0 } else { 1e-12 };
+            entries.push(Triplet { row, col: row, val: weight });
+            places[(row, 0)] = weight * value;
+        }
+    }
+    if !solve(2 * num_points, &entries, &mut places) {
+        return false;
+    }
+    for (vertex, point) in points.iter_mut().enumerate() {
+        *point = Point2::new(places[(2 * vertex, 0)], places[(2 * vertex + 1, 0)]);
+    }
+    true
+}
+
+/// As rigid as possible: alternates the best rotation of every face and the best places for these rotations.
+fn stiffen(faces: &[Face], points: &mut [Point2<f64>]) -> bool {
+    let num_points = points.len();
+    let mut entries: Vec<Entry> = Vec::with_capacity(12 * faces.len() + num_points);
+    let mut used = vec![false; num_points];
+    for face in faces {
+        for (k, &weight) in face.weights.iter().enumerate() {
+            let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
+            used[a] = true;
+            entries.push(Triplet { row: a, col: a, val: weight });
+            entries.push(Triplet { row: b, col: b, val: weight });
+            entries.push(Triplet { row: a, col: b, val: -weight });
+            entries.push(Triplet { row: b, col: a, val: -weight });
+        }
+    }
+    let first = faces[0].corners[0];
+    let held = |vertex: usize, used: &[bool]| {
+        if vertex == first || !used[vertex] { 1.0 } else { 1e-9 }
+    };
+    for vertex in 0..num_points {
+        entries.push(Triplet { row: vertex, col: vertex, val: held(vertex, &used) });
+    }
+    let Ok(matrix) = SparseColMat::<usize, f64>::try_new_from_triplets(num_points, num_points, &entries) else {
+        return false;
+    };
+    let Ok(factors) = matrix.sp_cholesky(Side::Lower) else { return false };
+    let mut places = Mat::zeros(num_points, 2);
+    for _ in 0..RIGID_ITERATIONS {
+        for (vertex, point) in points.iter().enumerate() {
+            for axis in 0..2 {
+                places[(vertex, axis)] = held(vertex, &used) * point[axis];
+            }
+        }
+        for face in faces {
+            let mut spin = Vector2::zeros();
+            for (k, &weight) in face.weights.iter().enumerate() {
+                let (shape, lies) = (face.sides[k], points[face.corners[(k + 1) % 3]] - points[face.corners[k]]);
+                spin += Vector2::new(shape.dot(&lies), shape.perp(&lies)) * weight;
+            }
+            let length = spin.norm();
+            if length > 0.0 {
+                spin /= length;
+            } else {
+                spin = Vector2::x();
+            }
+            for (k, &weight) in face.weights.iter().enumerate() {
+                let side = face.sides[k];
+                let turned =
+                    Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
+                for axis in 0..2 {
+                    places[(face.corners[k], axis)] -= turned[axis];
+                    places[(face.corners[(k + 1) % 3], axis)] += turned[axis];
+                }
+            }
+        }
+        factors.solve_in_place(&mut places);
+        for (vertex, point) in points.iter_mut().enumerate() {
+            *point = Point2::new(places[(vertex, 0)], places[(vertex, 1)]);
+        }
+    }
+    points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
+}
+
+fn solve(size: usize, entries: &[Entry], unknowns: &mut Mat<f64>) -> bool {
+    let Ok(matrix) = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, entries) else { return false };
+    let Ok(factors) = matrix.sp_cholesky(Side::Lower) else { return false };
+    factors.solve_in_place(unknowns.as_mut());
+    (0..size).all(|row| unknowns[(row, 0)].is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::{
+        correspond::{samples::all_faces, samples::sheet_faces, shapes::flat},
+        mesh::{Mesh, MeshDescription},
+    };
+
+    /// The largest relative change of an edge, and whether every face has the same turn.
+    fn quality(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding) -> (f64, bool) {
+        let mut worst: f64 = 0.0;
+        let mut turns = [0, 0];
+        for (corners, shape) in patch.corners().iter().zip(shapes) {
+            let lies = corners.map(|vertex| unfolding.points[vertex as usize]);
+            for (a, b) in sides(&lies).iter().zip(&sides(shape)) {
+                worst = worst.max((a.norm() / b.norm()).ln().abs());
+            }
+            turns[usize::from((lies[1] - lies[0]).perp(&(lies[2] - lies[0])) > 0.0)] += 1;
+        }
+        (worst, turns.contains(&0))
+    }
+
+    fn chart(num_vertices: usize, faces: Vec<[u32; 3]>, at: impl Fn(usize) -> Point3<f64>) -> (f64, bool, f64) {
+        let mesh = Mesh::new(MeshDescription { num_vertices, faces, ..Default::default() }).unwrap();
+        let mut patch = Patch::default();
+        patch.start(&mesh, all_faces(&mesh).into_iter());
+        let shapes: Vec<Shape> =
+            patch.corners().iter().map(|c| flat(c.map(|v| at(patch.vertices()[v as usize].index())))).collect();
+        let mut unfolding = Unfolding::default();
+        assert!(unfolding.unfold(&mesh, &patch, &shapes));
+        let torn = unfolding.misfit;
+        assert!(relax(&patch, &shapes, &mut unfolding));
+        let (worst, fair) = quality(&patch, &shapes, &unfolding);
+        (worst, fair, torn)
+    }
+
+    #[test]
+    fn a_dome_becomes_flat_with_little_strain() {
+        let (worst, fair, torn) = chart(81, sheet_faces(8, 8), |vertex| {
+            let (x, y) = (vertex % 9, vertex / 9);
+            let (x, y) = (x as f64 / 8.0 - 0.5, y as f64 / 8.0 - 0.5);
+            Point3::new(x, y, 0.6 * (0.6 - x * x - y * y))
+        });
+        assert!(torn > 0.05, "{torn}");
+        assert!(fair && worst < 0.1, "{worst}");
+    }
+
+    #[test]
+    fn a_ring_of_a_cone_becomes_an_annulus() {
+        // Closed in one direction: 24 columns, 4 rows of a steep frustum.
+        let (columns, rows) = (24u32, 3u32);
+        let mut faces = Vec::new();
+        for row in 0..rows {
+            for column in 0..columns {
+                let a = row * columns + column;
+                let b = row * columns + (column + 1) % columns;
+                faces.push([a, b, a + columns]);
+                faces.push([a + columns, b, b + columns]);
+            }
+        }
+        let (worst, fair, torn) = chart(96, faces, |vertex| {
+            let (column, row) = (vertex % 24, vertex / 24);
+            let angle = column as f64 / 24.0 * std::f64::consts::TAU;
+            let radius = 1.0 + 0.2 * row as f64;
+            Point3::new(radius * angle.cos(), radius * angle.sin(), 0.1 * row as f64)
+        });
+        assert!(torn > 0.1, "{torn}");
+        assert!(fair && worst < 0.2, "{worst}");
+    }
+}

@@ -1,0 +1,72 @@
+//! The two sheets along a path in the world: their conormals, and the directions in which they part.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::{MaterialPoint, Parting, chart::Chart, track::Track};
+use crate::{
+    frame::Frame,
+    mesh::{FaceId, Mesh},
+    paths::{PathPoint, PathSegment},
+};
+
+/// A path between two sheets, with the charts of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sheets<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) frame: &'a Frame,
+    pub(crate) points: &'a [PathPoint],
+    pub(crate) segments: &'a [PathSegment],
+    pub(crate) own: &'a Chart,
+    pub(crate) partner: &'a Chart,
+    pub(crate) track: &'a Track,
+}
+
+impl Sheets<'_> {
+    /// The side of the corresponding path onto which the inside belongs where no region says it: the one whose half of the other
+    /// sheet makes the smaller angle with the inside, on the average over the path.
+    pub(crate) fn likelier_side(&self, side: f64) -> f64 {
+        let mut agreement = 0.0;
+        for index in 0..self.segments.len() {
+            if let Some((inside, image)) = self.conormals(index, (side, 1.0)) {
+                agreement += inside.dot(&image) * self.segment_length(index);
+            }
+        }
+        if agreement >= 0.0 { 1.0 } else { -1.0 }
+    }
+
+    /// Adds the middles of all segments, with the direction in which the inside has to go there: the limit, on the path, of the
+    /// way from a point inside to its target. Inside a point lies by `b`, its target by `b'`, times the same small distance.
+    pub(crate) fn part(&self, sides: (f64, f64), share: f64, partings: &mut Vec<Parting>) {
+        for (index, segment) in self.segments.iter().enumerate() {
+            let Some((inside, image)) = self.conormals(index, sides) else { continue };
+            let Some(direction) = (image - inside).try_normalize(1e-9) else { continue };
+            let (start, end) = (&self.points[index], &self.points[index + 1]);
+            let own = MaterialPoint::middle(self.mesh, segment.own, [&start.own, &end.own]);
+            let partner = MaterialPoint::middle(self.mesh, segment.partner, [&start.partner, &end.partner]);
+            let (Some(own), Some(partner)) = (own, partner) else { continue };
+            let position = nalgebra::center(&start.position, &end.position);
+            let length_m = self.segment_length(index) * share;
+            partings.push(Parting { own, partner, position, direction, length_m });
+        }
+    }
+
+    fn segment_length(&self, index: usize) -> f64 {
+        (self.points[index + 1].position - self.points[index].position).norm()
+    }
+
+    /// The unit directions in the two sheets, at right angles to a segment, to the given sides of path and corresponding path.
+    fn conormals(&self, index: usize, sides: (f64, f64)) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let tangent = (self.points[index + 1].position - self.points[index].position).try_normalize(0.0)?;
+        let segment = &self.segments[index];
+        let step = |points: &[nalgebra::Point2<f64>]| points[index + 1] - points[index];
+        let inside = self.conormal(self.own, segment.own, step(&self.track.own) * sides.0, tangent)?;
+        let image = self.conormal(self.partner, segment.partner, step(&self.track.partner) * sides.1, tangent)?;
+        Some((inside, image))
+    }
+
+    /// The unit direction in a face, at right angles to `tangent`, to the left of `step` in the chart.
+    fn conormal(&self, chart: &Chart, face: FaceId, step: Vector2<f64>, tangent: Vector3<f64>) -> Option<Vector3<f64>> {
+        let world = chart.to_world(self.mesh, self.frame, face, Vector2::new(-step.y, step.x))?;
+        (world - tangent * tangent.dot(&world)).try_normalize(0.0)
+    }
+}
