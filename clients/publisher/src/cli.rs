@@ -38,7 +38,7 @@ pub struct Cli {
 pub struct PublishArgs {
     /// Wavefront OBJ file to simulate, without gravity; its shape is the rest shape.
     pub file: Option<PathBuf>,
-    /// Scene to generate where no file is given: bag, tongue, corner, crease, twist, drop, wedge or gallery.
+    /// Scene to generate where no file is given: bag, tongue, curtains, crease, twist, drop, wedge or gallery.
     #[arg(long, default_value = "gallery", conflicts_with = "file")]
     pub scene: Scene,
     /// Length of the edges of a generated scene.

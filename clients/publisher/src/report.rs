@@ -41,7 +41,8 @@ pub fn write_line(out: &mut dyn Write, frame: usize, report: &StepReport, kind: 
         "frame {frame:>5}  {:>5} edge-face  {:<34}  path {:>7.3} m  inside {:>4}  masked {:>4}  largest {:>9.3e} {}",
         header.num_edge_face_intersections,
         types(header),
-        header.contour_length_m,
+        // Not even the sign of an empty sum.
+        header.contour_length_m.max(0.0).abs(),
         header.num_inside,
         report.num_masked,
         report.largest_value,

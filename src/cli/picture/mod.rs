@@ -48,11 +48,14 @@ impl Picture {
         let tints = paths::inside_tints(mesh, analysis);
         for face in mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()) {
             let base = theme::cloth(mesh.piece(face).map_or(0, |piece| piece.index()));
-            let corners = mesh.face(face).map(|vertex| {
-                let colour = tints[vertex.index()].map_or(base, |tint| base.lerp(&tint, 0.62));
-                Corner { screen: screen[vertex.index()], normal: view.turn(normals[vertex.index()]), colour }
+            let vertices = mesh.face(face);
+            let tint = vertices.iter().find_map(|vertex| tints[vertex.index()]).unwrap_or(base);
+            let corners = vertices.map(|vertex| Corner {
+                screen: screen[vertex.index()],
+                normal: view.turn(normals[vertex.index()]),
+                inside: f64::from(u8::from(tints[vertex.index()].is_some())),
             });
-            canvas.triangle(corners);
+            canvas.triangle(corners, [base, base.lerp(&tint, 0.62)]);
         }
         light::occlude(&mut canvas, SUPERSAMPLING);
         paths::draw(&mut canvas, view, analysis, SUPERSAMPLING);

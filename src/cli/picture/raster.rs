@@ -11,7 +11,8 @@ pub(super) struct Corner {
     pub(super) screen: Point3<f64>,
     /// Unit normal as the viewer sees it.
     pub(super) normal: Vector3<f64>,
-    pub(super) colour: Colour,
+    /// 1 inside of a path, 0 outside.
+    pub(super) inside: f64,
 }
 
 /// Colour and nearness of every sample, rows from the top.
@@ -57,8 +58,9 @@ impl Canvas {
         self.nearness[index] = self.nearness[index].max(f32::MIN);
     }
 
-    /// Draws a triangle, seen from either side, with smooth shading and its sides faintly drawn.
-    pub(super) fn triangle(&mut self, corners: [Corner; 3]) {
+    /// Draws a triangle, seen from either side, with smooth shading and its sides faintly drawn, in the first of two colours
+    /// outside of paths and in the second one inside.
+    pub(super) fn triangle(&mut self, corners: [Corner; 3], [outside, inside]: [Colour; 2]) {
         let [a, b, c] = corners.map(|corner| corner.screen.coords.xy());
         let cross = |p: nalgebra::Vector2<f64>, q: nalgebra::Vector2<f64>| p.perp(&q);
         let area = cross(b - a, c - a);
@@ -78,11 +80,11 @@ impl Canvas {
                 }
                 let mut nearness = 0.0;
                 let mut normal = Vector3::zeros();
-                let mut colour = Colour::zeros();
+                let mut share = 0.0;
                 for (corner, weight) in corners.iter().zip(weights) {
                     nearness += corner.screen.z * weight;
                     normal += corner.normal * weight;
-                    colour += corner.colour * single(weight);
+                    share += corner.inside * weight;
                 }
                 let index = y * self.width + x;
                 let nearness = single(nearness);
@@ -92,6 +94,7 @@ impl Canvas {
                 // How far from the nearest side, in samples: height of the triangle over that side times the weight.
                 let to_side = (0..3).map(|k| weights[k] * area.abs() / sides[k]).fold(f64::INFINITY, f64::min);
                 self.nearness[index] = nearness;
+                let colour = outside.lerp(&inside, single(((share - 0.4) * 5.0).clamp(0.0, 1.0)));
                 self.colours[index] = light::shade(colour, normal, back, single(to_side));
             }
         }
@@ -119,27 +122,26 @@ fn single(value: f64) -> f32 {
 mod tests {
     use super::*;
 
-    fn triangle(points: [[f64; 2]; 3], nearness: f64, red: f32) -> [Corner; 3] {
-        points.map(|[x, y]| Corner {
-            screen: Point3::new(x, y, nearness),
-            normal: Vector3::z(),
-            colour: Colour::new(red, 0.5, 0.5),
-        })
+    const GREY: [Colour; 2] = [Colour::new(0.5, 0.5, 0.5); 2];
+    const RED: [Colour; 2] = [Colour::new(1.0, 0.5, 0.5); 2];
+
+    fn triangle(points: [[f64; 2]; 3], nearness: f64) -> [Corner; 3] {
+        points.map(|[x, y]| Corner { screen: Point3::new(x, y, nearness), normal: Vector3::z(), inside: 0.0 })
     }
 
     #[test]
     fn two_halves_cover_a_square_and_the_nearer_one_wins() {
         let mut canvas = Canvas::new(8, 8);
-        canvas.triangle(triangle([[1.0, 1.0], [7.0, 1.0], [7.0, 7.0]], 0.0, 0.0));
-        canvas.triangle(triangle([[1.0, 1.0], [7.0, 7.0], [1.0, 7.0]], 0.0, 0.0));
+        canvas.triangle(triangle([[1.0, 1.0], [7.0, 1.0], [7.0, 7.0]], 0.0), GREY);
+        canvas.triangle(triangle([[1.0, 1.0], [7.0, 7.0], [1.0, 7.0]], 0.0), GREY);
         let covered = |canvas: &Canvas| {
             (0..8).flat_map(|y| (0..8).map(move |x| (x, y))).filter(|&(x, y)| canvas.sample(x, y).is_some()).count()
         };
         assert_eq!(covered(&canvas), 36);
         let before = canvas.sample(4, 4);
-        canvas.triangle(triangle([[0.0, 0.0], [8.0, 0.0], [4.0, 8.0]], -1.0, 1.0));
+        canvas.triangle(triangle([[0.0, 0.0], [8.0, 0.0], [4.0, 8.0]], -1.0), RED);
         assert_eq!(canvas.sample(4, 4), before);
-        canvas.triangle(triangle([[0.0, 0.0], [8.0, 0.0], [4.0, 8.0]], 1.0, 1.0));
+        canvas.triangle(triangle([[0.0, 0.0], [8.0, 0.0], [4.0, 8.0]], 1.0), RED);
         assert_ne!(canvas.sample(4, 4), before);
     }
 }

@@ -31,28 +31,35 @@ pub(super) fn bag(seed: u64, edge_m: f64) -> Cloth {
     cloth
 }
 
-/// A strip held at one end bows down, at constant curvature and without stretch.
-fn bowed_strip(seed: u64, edge_m: f64, [length, width]: [f64; 2]) -> Cloth {
+/// The end of a strip hangs through a taut sheet: BB/II. The strip is held at its other end and bows down, at constant curvature
+/// and without stretch.
+pub(super) fn tongue(seed: u64, edge_m: f64) -> Cloth {
+    const LENGTH_M: f64 = 0.4;
+    const WIDTH_M: f64 = 0.2;
     const HEIGHT_M: f64 = 0.08;
     const TURN: f64 = 0.9;
-    let radius = length / TURN;
+    let radius = LENGTH_M / TURN;
     let bow = |u: f64, v: f64| {
         let angle = u / radius;
         Vec3::new(radius * angle.sin(), v, HEIGHT_M - radius * (1.0 - angle.cos()))
     };
-    Sheet::new(length, width, edge_m).pinned(Pin::Left).build(seed, bow)
-}
-
-/// The end of a strip hangs through a taut sheet: BB/II.
-pub(super) fn tongue(seed: u64, edge_m: f64) -> Cloth {
     let mut cloth = Sheet::new(SIDE_M, SIDE_M, edge_m).pinned(Pin::Boundary).build(seed, flat);
-    cloth.append(bowed_strip(seed ^ 1, edge_m, [0.4, 0.2]), Vec3::new(0.063, 0.151, 0.0));
+    let strip = Sheet::new(LENGTH_M, WIDTH_M, edge_m).pinned(Pin::Left).build(seed ^ 1, bow);
+    cloth.append(strip, Vec3::new(0.063, 0.151, 0.0));
     cloth
 }
 
-/// A strip hangs through the free edge of a sheet: BI/BI.
-pub(super) fn corner(seed: u64, edge_m: f64) -> Cloth {
-    let mut cloth = Sheet::new(SIDE_M, 0.36, edge_m).pinned(Pin::AllButTop).build(seed, flat);
-    cloth.append(bowed_strip(seed ^ 1, edge_m, [0.4, 0.2]), Vec3::new(0.063, 0.254, 0.0));
+/// Two strips hang side by side from pegs, overlap a little, and change places on the way down: BI/BI.
+pub(super) fn curtains(seed: u64, edge_m: f64) -> Cloth {
+    const LENGTH_M: f64 = 0.4;
+    const WIDTH_M: f64 = 0.2;
+    const OVERLAP_M: f64 = 0.07;
+    const CROSSING_M: f64 = 0.15;
+    let strip = |seed: u64, slope: f64| {
+        let hang = |u: f64, v: f64| Vec3::new(u, slope * (v - CROSSING_M), v);
+        Sheet::new(WIDTH_M, LENGTH_M, edge_m).pinned(Pin::Peg).build(seed, hang)
+    };
+    let mut cloth = strip(seed, -0.15);
+    cloth.append(strip(seed ^ 1, 0.15), Vec3::new(WIDTH_M - OVERLAP_M, 0.001, 0.002));
     cloth
 }

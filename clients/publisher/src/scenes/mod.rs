@@ -23,8 +23,8 @@ pub enum Scene {
     Bag,
     /// The end of a strip hangs through a taut sheet: BB/II.
     Tongue,
-    /// A strip hangs through the free edge of a sheet: BI/BI.
-    Corner,
+    /// Two strips hang side by side and change places where they overlap: BI/BI.
+    Curtains,
     /// The layers of a folded sheet have changed places in the middle of the crease: LL.
     Crease,
     /// The layers of a folded sheet have changed places at one end of the crease: BLI.
@@ -39,7 +39,7 @@ pub enum Scene {
 
 /// A name that belongs to no scene.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("there is no scene `{0}`; there are bag, tongue, corner, crease, twist, drop, wedge and gallery")]
+#[error("there is no scene `{0}`; there are bag, tongue, curtains, crease, twist, drop, wedge and gallery")]
 pub struct UnknownScene(pub String);
 
 impl FromStr for Scene {
@@ -49,7 +49,7 @@ impl FromStr for Scene {
         Ok(match name {
             "bag" => Self::Bag,
             "tongue" => Self::Tongue,
-            "corner" => Self::Corner,
+            "curtains" => Self::Curtains,
             "crease" => Self::Crease,
             "twist" => Self::Twist,
             "drop" => Self::Drop,
@@ -67,7 +67,7 @@ impl Scene {
         match self {
             Self::Bag => layers::bag(seed, edge_m),
             Self::Tongue => layers::tongue(seed, edge_m),
-            Self::Corner => layers::corner(seed, edge_m),
+            Self::Curtains => layers::curtains(seed, edge_m),
             Self::Crease => folds::crease(seed, edge_m),
             Self::Twist => folds::twist(seed, edge_m),
             Self::Drop => folds::drop(seed, edge_m),
@@ -78,19 +78,20 @@ impl Scene {
 }
 
 /// What the demonstration shows, in two rows.
-const GALLERY: [(Scene, [f64; 2]); 6] = [
+const GALLERY: [(Scene, [f64; 2]); 7] = [
     (Scene::Bag, [0.0, 0.0]),
     (Scene::Tongue, [0.65, 0.0]),
-    (Scene::Corner, [1.3, 0.0]),
+    (Scene::Wedge, [1.3, 0.0]),
     (Scene::Crease, [0.0, 0.7]),
-    (Scene::Twist, [0.65, 0.7]),
-    (Scene::Bag, [1.3, 0.7]),
+    (Scene::Curtains, [0.55, 0.9]),
+    (Scene::Twist, [1.0, 0.7]),
+    (Scene::Drop, [1.5, 0.7]),
 ];
 
 fn gallery(seed: u64, edge_m: f64) -> Cloth {
     let mut cloth = Cloth::default();
-    for (number, (scene, [x, y])) in (0..).zip(GALLERY) {
-        cloth.append(scene.build(seed.wrapping_add(number), edge_m), Vec3::new(x, y, 0.0));
+    for (scene, [x, y]) in GALLERY {
+        cloth.append(scene.build(seed, edge_m), Vec3::new(x, y, 0.0));
     }
     cloth
 }

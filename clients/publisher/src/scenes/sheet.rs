@@ -15,8 +15,8 @@ pub enum Pin {
     Boundary,
     /// The side u = 0.
     Left,
-    /// All sides but v = height.
-    AllButTop,
+    /// The middle of the side v = height, as by a peg.
+    Peg,
     /// The boundary where u is at most this, in metres.
     UpTo(f64),
 }
@@ -101,7 +101,7 @@ impl Sheet {
             Pin::Nothing => false,
             Pin::Boundary => left || right || bottom || top,
             Pin::Left => left,
-            Pin::AllButTop => left || right || bottom,
+            Pin::Peg => top && (2 * column).abs_diff(self.columns) <= 1,
             Pin::UpTo(limit) => {
                 left || ((bottom || top) && f64::from(column) / f64::from(self.columns) * self.width_m <= limit)
             }
