@@ -34,7 +34,6 @@ pub struct Cli {
 
 /// What to simulate, how, and how to talk to the daemon.
 #[derive(Clone, Debug, Args)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct PublishArgs {
     /// Wavefront OBJ file to simulate, without gravity; its shape is the rest shape.
     pub file: Option<PathBuf>,
@@ -50,9 +49,9 @@ pub struct PublishArgs {
     /// Domain of the daemon.
     #[arg(long, value_name = "NAME")]
     pub domain: Option<String>,
-    /// What corrections the daemon shall send.
-    #[arg(long, value_enum, default_value_t = Kind::Force)]
-    pub correction: Kind,
+    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no motion].
+    #[arg(long, value_enum)]
+    pub correction: Option<Kind>,
     /// Ignore all corrections.
     #[arg(long, group = "control")]
     pub no_corrections: bool,
@@ -89,6 +88,14 @@ pub struct PublishArgs {
     /// The cloth and its simulation.
     #[command(flatten)]
     pub cloth: ClothArgs,
+}
+
+impl PublishArgs {
+    /// The kind asked for. A file is a shape to clean, not a motion: displacements leave no speed behind.
+    fn correction_kind(&self) -> CorrectionKind {
+        let usual = if self.file.is_some() { Kind::Displacement } else { Kind::Force };
+        self.correction.unwrap_or(usual).into()
+    }
 }
 
 /// Properties of the simulated cloth.
@@ -183,7 +190,7 @@ pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostE
         max_frames: args.frames,
         num_clean_frames: args.clean_frames,
         report_every: args.report_every,
-        kind: args.correction.into(),
+        kind: args.correction_kind(),
     };
     let cloth = host.solver().cloth();
     writeln!(out, "{} vertices, {} triangles", cloth.positions.len(), cloth.triangles.len())?;
@@ -222,7 +229,7 @@ fn host_options(args: &PublishArgs) -> HostOptions {
         connect_timeout: Duration::from_millis(args.connect_timeout_ms),
         deadline: Duration::from_millis(args.deadline_ms),
         dt_s: args.cloth.dt_s,
-        correction: args.correction.into(),
+        correction: args.correction_kind(),
         use_of_corrections,
         settings: args.settings.clone().unwrap_or_default(),
     }

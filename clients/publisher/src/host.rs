@@ -115,11 +115,8 @@ impl Host {
     /// # Errors
     /// [`HostError::Connect`] and [`HostError::Register`].
     pub fn new(solver: Solver, options: HostOptions) -> Result<Self, HostError> {
-        let client = Client::connect(ClientOptions {
-            domain: options.domain.clone(),
-            timeout: options.connect_timeout,
-            ..ClientOptions::default()
-        })?;
+        let client =
+            Client::connect(ClientOptions { domain: options.domain.clone(), timeout: options.connect_timeout })?;
         let cloth = solver.cloth();
         let session = client.register(Registration {
             num_vertices: cloth.positions.len(),

@@ -159,9 +159,9 @@ impl Extent {
     fn of(points: impl IntoIterator<Item = Point>) -> Self {
         let empty = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         points.into_iter().fold(empty, |mut extent, point| {
-            for axis in 0..3 {
-                extent.low[axis] = extent.low[axis].min(point[axis]);
-                extent.high[axis] = extent.high[axis].max(point[axis]);
+            for ((low, high), value) in extent.low.iter_mut().zip(&mut extent.high).zip(point) {
+                *low = low.min(value);
+                *high = high.max(value);
             }
             extent
         })

@@ -95,3 +95,21 @@ fn gallery(seed: u64, edge_m: f64) -> Cloth {
     }
     cloth
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::count_edge_face;
+
+    #[test]
+    fn every_scene_is_tangled_held_and_the_same_again() {
+        for name in ["bag", "tongue", "curtains", "crease", "twist", "drop", "wedge", "gallery"] {
+            let scene: Scene = name.parse().unwrap();
+            let cloth = scene.build(3, 0.04);
+            assert_eq!(scene.build(3, 0.04), cloth, "{name}");
+            assert!(count_edge_face(&cloth.points(), &cloth.triangles).unwrap() > 5, "{name} is not tangled");
+            assert!(!cloth.pins.is_empty(), "{name} is not held");
+        }
+        assert!("knot".parse::<Scene>().is_err());
+    }
+}
