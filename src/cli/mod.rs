@@ -2,6 +2,8 @@
 
 pub mod check;
 mod config;
+pub mod demo;
+pub mod picture;
 mod serve;
 mod status;
 
@@ -40,7 +42,10 @@ enum Command {
     /// Print the effective configuration, each key explained.
     Config(config::ConfigArgs),
     Check(check::CheckArgs),
-    // `demo` and the hidden `publish` go here.
+    Demo(demo::DemoArgs),
+    /// Simulate a cloth as the example host does; `demo` starts this as a process of its own.
+    #[command(hide = true)]
+    Publish(untangled_publisher::cli::PublishArgs),
 }
 
 /// Runs the command line of this process.
@@ -52,6 +57,8 @@ pub fn main() -> ExitCode {
         Command::Status(args) => status::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Check(args) => check::run(&args).map_err(Into::into),
+        Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
+        Command::Publish(args) => demo::publish(&args).map_err(Into::into),
     };
     match result {
         Ok(Outcome::Clean) => ExitCode::SUCCESS,

@@ -1,1 +1,15 @@
-//! A small cloth simulator that talks to untangled.
+//! An example host of untangled: a small but honest cloth simulator that publishes its steps and applies the corrections.
+//!
+//! Read [`host`] first: it is the loop that any simulator needs to talk to the daemon. The rest is what a host has anyway: a
+//! [`mesh`], a [`solver`] with self-contact of its own, [`scenes`] to start from, an exact [`check`] that shares nothing with the
+//! untangler and therefore may judge it, [`obj`] files and a [command line](cli).
+
+pub mod check;
+pub mod cli;
+pub mod host;
+pub mod mesh;
+pub mod obj;
+pub mod report;
+pub mod run;
+pub mod scenes;
+pub mod solver;

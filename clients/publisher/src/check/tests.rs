@@ -1,0 +1,122 @@
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    CheckError, Point, count_edge_face, edge_face_hits, face_pairs, primitive::segment_meets_triangle, unique_edges,
+};
+
+const TRIANGLE: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+fn meets(p: Point, q: Point) -> bool {
+    let answer = segment_meets_triangle([p, q], TRIANGLE);
+    let [a, b, c] = TRIANGLE;
+    for triangle in [[b, c, a], [c, b, a]] {
+        assert_eq!(segment_meets_triangle([q, p], triangle), answer, "the order of vertices changed the answer");
+    }
+    answer
+}
+
+#[test]
+fn a_segment_through_beside_and_above_a_triangle() {
+    assert!(meets([0.2, 0.2, -1.0], [0.2, 0.2, 1.0]));
+    assert!(!meets([0.8, 0.8, -1.0], [0.8, 0.8, 1.0]));
+    assert!(!meets([0.2, 0.2, 1e-300], [0.2, 0.2, 1.0]));
+    assert!(!meets([0.2, 0.2, 1.0], [0.9, 0.2, 2.0]));
+}
+
+#[test]
+fn touching_counts_at_every_feature() {
+    let below = [0.3, 0.3, -1.0];
+    for on in [[0.2, 0.2, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]] {
+        assert!(meets(below, on), "ends in {on:?}");
+        assert!(meets([on[0], on[1], -1.0], [on[0], on[1], 1.0]), "passes {on:?}");
+        let off = [on[0] - 2e-16, on[1] - 2e-16, 0.0];
+        let inside = off[0] >= 0.0 && off[1] >= 0.0;
+        assert_eq!(meets([off[0], off[1], -1.0], [off[0], off[1], 1.0]), inside, "passes {off:?}");
+    }
+}
+
+#[test]
+fn coplanar_segments_are_decided_in_the_plane() {
+    assert!(meets([0.1, 0.1, 0.0], [0.2, 0.2, 0.0]), "inside");
+    assert!(meets([-1.0, 0.2, 0.0], [2.0, 0.2, 0.0]), "across");
+    assert!(meets([-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]), "ends in a corner");
+    assert!(meets([0.5, 0.0, 0.0], [3.0, 0.0, 0.0]), "overlaps a side");
+    assert!(!meets([1.5, 0.0, 0.0], [3.0, 0.0, 0.0]), "beyond a side on its line");
+    assert!(!meets([1.0, 1.0, 0.0], [2.0, 0.0, 0.0]), "beside");
+}
+
+#[test]
+fn degenerate_input_is_answered_as_the_set_it_is() {
+    let needle = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]];
+    assert!(segment_meets_triangle([[1.5, 1.5, 0.0], [1.5, 1.5, 2.0]], needle));
+    assert!(!segment_meets_triangle([[1.5, 1.4, 0.0], [1.5, 1.4, 2.0]], needle));
+    assert!(segment_meets_triangle([[1.5, 1.5, 1.5], [3.0, 3.0, 3.0]], needle));
+    assert!(!segment_meets_triangle([[2.5, 2.5, 2.5], [3.0, 3.0, 3.0]], needle));
+    let point = [[0.25, 0.25, 0.0]; 3];
+    assert!(segment_meets_triangle([[0.0, 0.25, 0.0], [1.0, 0.25, 0.0]], point));
+    assert!(!segment_meets_triangle([[0.0, 0.5, 0.0], [1.0, 0.5, 0.0]], point));
+    assert!(meets([0.25, 0.25, 0.0], [0.25, 0.25, 0.0]));
+}
+
+#[test]
+fn bad_input_is_named() {
+    let nan = [[0.0; 3], [0.0, f64::NAN, 0.0], [1.0; 3]];
+    assert_eq!(count_edge_face(&nan, &[[0, 1, 2]]), Err(CheckError::NotFinite(1)));
+    let expected = CheckError::Index { triangle: 0, vertex: 7, num_vertices: 3 };
+    assert_eq!(count_edge_face(&TRIANGLE, &[[0, 1, 7]]), Err(expected));
+}
+
+#[test]
+fn the_sweep_finds_what_brute_force_finds() {
+    let mut found = 0;
+    for seed in 0..20 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        // Coordinates on a coarse lattice, so that all the degenerate cases occur.
+        let positions: Vec<Point> =
+            (0..40).map(|_| std::array::from_fn(|_| f64::from(rng.random_range(0..12_i32)) * 0.25)).collect();
+        let triangles: Vec<[u32; 3]> = (0..30).map(|_| std::array::from_fn(|_| rng.random_range(0..40_u32))).collect();
+        let mut brute = Vec::new();
+        for edge in unique_edges(&triangles) {
+            for (index, triangle) in (0..).zip(&triangles) {
+                let at = |vertex: u32| positions[vertex as usize];
+                if !edge.iter().any(|vertex| triangle.contains(vertex))
+                    && segment_meets_triangle(edge.map(at), triangle.map(at))
+                {
+                    brute.push((edge, index));
+                }
+            }
+        }
+        brute.sort_unstable();
+        let swept: Vec<_> =
+            edge_face_hits(&positions, &triangles).unwrap().iter().map(|hit| (hit.edge, hit.triangle)).collect();
+        assert_eq!(swept, brute, "seed {seed}");
+        found += brute.len();
+    }
+    assert!(found > 500, "only {found} hits: the test shows nothing");
+}
+
+#[test]
+fn a_pair_that_shares_a_vertex_counts_when_it_crosses_beyond() {
+    let positions = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.2, -1.0], [0.2, 1.0, 1.0]];
+    let triangles = [[0, 1, 2], [0, 3, 4]];
+    let hits = edge_face_hits(&positions, &triangles).unwrap();
+    assert_eq!(hits.len(), 1);
+    assert_eq!(face_pairs(&hits, &triangles), [[0, 1]]);
+}
+
+#[test]
+fn shared_data_where_it_exists() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    for (file, expected) in [("tshirt_trifold_3k7.obj", 117), ("tshirt_rest_3k7.obj", 0), ("unisex_shirt_12k7.obj", 0)]
+    {
+        let path = std::path::Path::new(folder).join(file);
+        if !path.exists() {
+            println!("skipped: no {}", path.display());
+            continue;
+        }
+        let cloth = crate::obj::read(&path).unwrap();
+        let hits = edge_face_hits(&cloth.points(), &cloth.triangles).unwrap();
+        assert_eq!(face_pairs(&hits, &cloth.triangles).len(), expected, "{file}");
+    }
+}

@@ -1,0 +1,244 @@
+//! The command line of the example host.
+
+use std::{
+    fs,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Duration,
+};
+
+use clap::{Args, Parser, ValueEnum};
+use untangled_client::CorrectionKind;
+
+use crate::{
+    host::{Host, HostError, HostOptions, Use},
+    mesh::{Cloth, Vec3},
+    obj,
+    report::Summary,
+    run::{RunOptions, run},
+    scenes::Scene,
+    solver::{Parameters, Solver},
+};
+
+/// Simulates a cloth, publishes each step to an untangled daemon and applies its corrections.
+///
+/// Exit code 0: the exact check finds the last state free of intersections; 1: intersections remain; 2: an error.
+#[derive(Debug, Parser)]
+#[command(name = "untangled-publisher", version)]
+pub struct Cli {
+    /// What to do.
+    #[command(flatten)]
+    pub args: PublishArgs,
+}
+
+/// What to simulate, how, and how to talk to the daemon.
+#[derive(Clone, Debug, Args)]
+pub struct PublishArgs {
+    /// Wavefront OBJ file to simulate, without gravity; its shape is the rest shape.
+    pub file: Option<PathBuf>,
+    /// Scene to generate where no file is given: bag, tongue, curtains, crease, twist, drop, wedge or gallery.
+    #[arg(long, default_value = "gallery", conflicts_with = "file")]
+    pub scene: Scene,
+    /// Length of the edges of a generated scene.
+    #[arg(long, value_name = "METRES", default_value_t = 0.028, value_parser = positive)]
+    pub edge_m: f64,
+    /// Seed of a generated scene.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Domain of the daemon.
+    #[arg(long, value_name = "NAME")]
+    pub domain: Option<String>,
+    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no motion].
+    #[arg(long, value_enum)]
+    pub correction: Option<Kind>,
+    /// Ignore all corrections.
+    #[arg(long, group = "control")]
+    pub no_corrections: bool,
+    /// Switch self-contact off where the daemon says so, but apply no forces.
+    #[arg(long, group = "control")]
+    pub mask_only: bool,
+    /// Apply forces, but leave self-contact on everywhere.
+    #[arg(long, group = "control")]
+    pub force_only: bool,
+    /// Most steps to simulate.
+    #[arg(long, value_name = "N", default_value_t = 600)]
+    pub frames: usize,
+    /// Stop once so many states in a row are clean; 0 never stops early.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub clean_frames: usize,
+    /// Print a line every so many frames; 0 for none.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub report_every: usize,
+    /// Write before.obj and after.obj into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write how the run ended as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub summary: Option<PathBuf>,
+    /// Settings of the untangler as a JSON object, by the names that `untangled config` explains.
+    #[arg(long, value_name = "JSON")]
+    pub settings: Option<serde_json::Value>,
+    /// How long to wait for a correction before a step is made without.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 1000)]
+    pub deadline_ms: u64,
+    /// How long to wait for the daemon at the start.
+    #[arg(long, value_name = "MILLISECONDS", default_value_t = 10_000)]
+    pub connect_timeout_ms: u64,
+    /// The cloth and its simulation.
+    #[command(flatten)]
+    pub cloth: ClothArgs,
+}
+
+impl PublishArgs {
+    /// The kind asked for. A file is a shape to clean, not a motion: displacements leave no speed behind.
+    fn correction_kind(&self) -> CorrectionKind {
+        let usual = if self.file.is_some() { Kind::Displacement } else { Kind::Force };
+        self.correction.unwrap_or(usual).into()
+    }
+}
+
+/// Properties of the simulated cloth.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Simulation")]
+pub struct ClothArgs {
+    /// Length of a step.
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0 / 60.0, value_parser = positive)]
+    pub dt_s: f64,
+    /// Substeps of a step.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
+    pub substeps: u32,
+    /// Gravity along -z in m/s^2 [default: 9.81 for scenes, 0 for files].
+    #[arg(long, value_name = "M_S2")]
+    pub gravity: Option<f64>,
+    /// Mass of the cloth per area in kg/m^2.
+    #[arg(long, value_name = "KG_M2", default_value_t = 0.2, value_parser = positive)]
+    pub density: f64,
+    /// Stiffness of each edge in N/m.
+    #[arg(long, value_name = "N_M", default_value_t = 1e3, value_parser = positive)]
+    pub stretch: f64,
+    /// Bending stiffness in N m.
+    #[arg(long, value_name = "N_M", default_value_t = 1e-4, value_parser = positive)]
+    pub bending: f64,
+    /// Rate at which air slows the cloth down, in 1/s.
+    #[arg(long, value_name = "1_S", default_value_t = 8.0)]
+    pub drag: f64,
+    /// Distance that self-contact keeps [default: a fifth of the mean edge length].
+    #[arg(long, value_name = "METRES")]
+    pub thickness_m: Option<f64>,
+}
+
+/// Kinds of corrections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// Newtons, over one step.
+    Force,
+    /// m/s^2, over one step.
+    Acceleration,
+    /// m/s.
+    Velocity,
+    /// Metres.
+    Displacement,
+}
+
+impl From<Kind> for CorrectionKind {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Force => Self::Force,
+            Kind::Acceleration => Self::Acceleration,
+            Kind::Velocity => Self::VelocityChange,
+            Kind::Displacement => Self::Displacement,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("expected a number greater than 0".into()),
+    }
+}
+
+/// Runs the command and prints what happens: the body of `main`.
+#[must_use]
+pub fn main(args: &PublishArgs) -> ExitCode {
+    match publish(args, &mut io::stdout().lock()) {
+        Ok(summary) if summary.clean => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::from(1),
+        Err(error) => {
+            // Nobody is left to tell if standard error is closed.
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Simulates as the arguments say; lines go to `out`.
+///
+/// # Errors
+/// [`HostError`].
+pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostError> {
+    let cloth = match &args.file {
+        Some(file) => obj::read(file)?,
+        None => args.scene.build(args.seed, args.edge_m),
+    };
+    let parameters = parameters(args, &cloth);
+    let solver = Solver::new(cloth, parameters);
+    write_obj(args.out.as_deref(), "before.obj", solver.cloth())?;
+    let mut host = Host::new(solver, host_options(args))?;
+    let options = RunOptions {
+        max_frames: args.frames,
+        num_clean_frames: args.clean_frames,
+        report_every: args.report_every,
+        kind: args.correction_kind(),
+    };
+    let cloth = host.solver().cloth();
+    writeln!(out, "{} vertices, {} triangles", cloth.positions.len(), cloth.triangles.len())?;
+    let summary = run(&mut host, options, out)?;
+    write_obj(args.out.as_deref(), "after.obj", host.solver().cloth())?;
+    if let Some(path) = &args.summary {
+        let json = serde_json::to_string_pretty(&summary).map_err(io::Error::from)?;
+        fs::write(path, json + "\n")?;
+    }
+    Ok(summary)
+}
+
+fn parameters(args: &PublishArgs, cloth: &Cloth) -> Parameters {
+    let ClothArgs { substeps, gravity, density, stretch, bending, drag, thickness_m, .. } = args.cloth;
+    let gravity = gravity.unwrap_or(if args.file.is_some() { 0.0 } else { 9.81 });
+    Parameters {
+        gravity_m_s2: Vec3::new(0.0, 0.0, -gravity),
+        density_kg_m2: density,
+        stretch_n_m: stretch,
+        bending_n_m: bending,
+        drag_1_s: drag,
+        thickness_m: thickness_m.unwrap_or_else(|| 0.2 * cloth.mean_edge_length_m()),
+        num_substeps: substeps,
+    }
+}
+
+fn host_options(args: &PublishArgs) -> HostOptions {
+    let use_of_corrections = match (args.no_corrections, args.mask_only, args.force_only) {
+        (true, _, _) => Use::Nothing,
+        (_, true, _) => Use::MaskOnly,
+        (_, _, true) => Use::ValuesOnly,
+        _ => Use::Everything,
+    };
+    HostOptions {
+        domain: args.domain.clone(),
+        connect_timeout: Duration::from_millis(args.connect_timeout_ms),
+        deadline: Duration::from_millis(args.deadline_ms),
+        dt_s: args.cloth.dt_s,
+        correction: args.correction_kind(),
+        use_of_corrections,
+        settings: args.settings.clone().unwrap_or_default(),
+    }
+}
+
+fn write_obj(folder: Option<&Path>, name: &str, cloth: &Cloth) -> Result<(), HostError> {
+    if let Some(folder) = folder {
+        fs::create_dir_all(folder)?;
+        obj::write(&folder.join(name), cloth)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! The simulator that this host would have anyway: extended position-based dynamics with small steps.
+//!
+//! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez 2016
+//! (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist [stretch], hinges
+//! resist [bending](bend), and [contact] keeps the cloth off itself, on whichever side it happens to be, as most simulators do.
+//! Everything is sequential and in a fixed order: the same input gives the same motion.
+
+mod bend;
+mod contact;
+mod grid;
+mod stretch;
+#[cfg(test)]
+mod tests;
+
+use crate::mesh::{Cloth, Vec3};
+
+use bend::Bend;
+use contact::Contacts;
+use stretch::Stretch;
+
+/// What the cloth is made of and what acts on it. SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    /// Gravity in m/s^2.
+    pub gravity_m_s2: Vec3,
+    /// Mass of the cloth in kg/m^2.
+    pub density_kg_m2: f64,
+    /// Stiffness of an edge in N/m.
+    pub stretch_n_m: f64,
+    /// Bending stiffness in N m.
+    pub bending_n_m: f64,
+    /// Rate at which air takes away velocity, in 1/s.
+    pub drag_1_s: f64,
+    /// Distance that self-contact keeps, in metres.
+    pub thickness_m: f64,
+    /// Substeps of one step.
+    pub num_substeps: u32,
+}
+
+/// What the untangler asks for, for one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Help<'a> {
+    /// Velocity that each vertex gains over the step, in m/s; empty for none.
+    pub velocity_change_m_s: &'a [Vec3],
+    /// Displacement of each vertex at the start of the step, in metres; empty for none. It adds no velocity.
+    pub displacement_m: &'a [Vec3],
+    /// Vertices whose self-contact is off; empty for none.
+    pub no_contact: &'a [bool],
+}
+
+impl Help<'_> {
+    /// No help at all.
+    pub const NONE: Self = Help { velocity_change_m_s: &[], displacement_m: &[], no_contact: &[] };
+}
+
+/// A simulated cloth.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    cloth: Cloth,
+    parameters: Parameters,
+    velocities: Vec<Vec3>,
+    /// Positions at the start of the substep.
+    previous: Vec<Vec3>,
+    masses_kg: Vec<f64>,
+    /// 1/kg; zero for a pinned vertex.
+    inverse_masses: Vec<f64>,
+    stretch: Stretch,
+    bend: Bend,
+    contacts: Contacts,
+    /// Farthest that a vertex may move in a step, in metres: what contact looks ahead.
+    reach_m: f64,
+}
+
+impl Solver {
+    /// A cloth at rest (zero velocity) where it is now.
+    #[must_use]
+    pub fn new(mut cloth: Cloth, parameters: Parameters) -> Self {
+        cloth.round_to_f32();
+        let masses_kg = cloth.masses_kg(parameters.density_kg_m2);
+        let mut inverse_masses: Vec<f64> = masses_kg.iter().map(|mass| mass.recip()).collect();
+        for &pin in &cloth.pins {
+            inverse_masses[pin as usize] = 0.0;
+        }
+        let reach_m = 0.5 * cloth.mean_edge_length_m();
+        Self {
+            velocities: vec![Vec3::zeros(); cloth.positions.len()],
+            previous: cloth.positions.clone(),
+            masses_kg,
+            inverse_masses,
+            stretch: Stretch::new(&cloth, parameters.stretch_n_m),
+            bend: Bend::new(&cloth, parameters.bending_n_m),
+            contacts: Contacts::new(&cloth, parameters.thickness_m, reach_m),
+            reach_m,
+            cloth,
+            parameters,
+        }
+    }
+
+    /// The cloth as it is now. Its positions are single-precision numbers: what goes over the wire is the state itself.
+    #[must_use]
+    pub fn cloth(&self) -> &Cloth {
+        &self.cloth
+    }
+
+    /// Mass of each vertex in kilograms, `num_vertices`.
+    #[must_use]
+    pub fn masses_kg(&self) -> &[f64] {
+        &self.masses_kg
+    }
+
+    /// Moves the cloth on by `dt_s` seconds.
+    pub fn step(&mut self, dt_s: f64, help: Help<'_>) {
+        let free = |vertex: usize, inverse_masses: &[f64]| inverse_masses[vertex] > 0.0;
+        for (vertex, &displacement) in help.displacement_m.iter().enumerate() {
+            if free(vertex, &self.inverse_masses) {
+                self.cloth.positions[vertex] += displacement;
+            }
+        }
+        self.contacts.find(&self.cloth, help.no_contact);
+
+        let substep_s = dt_s / f64::from(self.parameters.num_substeps);
+        let kept = (-self.parameters.drag_1_s * substep_s).exp();
+        let fastest_m_s = self.reach_m / dt_s;
+        for _ in 0..self.parameters.num_substeps {
+            for vertex in 0..self.cloth.positions.len() {
+                self.previous[vertex] = self.cloth.positions[vertex];
+                if !free(vertex, &self.inverse_masses) {
+                    continue;
+                }
+                let pushed = help.velocity_change_m_s.get(vertex).copied().unwrap_or_default() * (substep_s / dt_s);
+                let velocity = &mut self.velocities[vertex];
+                *velocity = (*velocity + self.parameters.gravity_m_s2 * substep_s + pushed) * kept;
+                // Contact has looked no farther than this.
+                let speed = velocity.norm();
+                if speed > fastest_m_s {
+                    *velocity *= fastest_m_s / speed;
+                }
+                self.cloth.positions[vertex] += *velocity * substep_s;
+            }
+            let positions = &mut self.cloth.positions;
+            self.stretch.project(positions, &self.inverse_masses, substep_s);
+            self.bend.project(positions, &self.inverse_masses, substep_s);
+            self.contacts.project(positions, &self.inverse_masses);
+            for (velocity, (now, before)) in self.velocities.iter_mut().zip(positions.iter().zip(&self.previous)) {
+                *velocity = (now - before) / substep_s;
+            }
+        }
+        self.cloth.round_to_f32();
+    }
+}

@@ -1,0 +1,88 @@
+use super::{Help, Parameters, Solver};
+use crate::{
+    check::count_edge_face,
+    mesh::{Cloth, Vec3},
+    scenes::{Pin, Sheet},
+};
+
+fn parameters(gravity: f64) -> Parameters {
+    Parameters {
+        gravity_m_s2: Vec3::new(0.0, 0.0, -gravity),
+        density_kg_m2: 0.2,
+        stretch_n_m: 1e3,
+        bending_n_m: 1e-4,
+        drag_1_s: 3.0,
+        thickness_m: 0.01,
+        num_substeps: 4,
+    }
+}
+
+/// A sheet of 0.5 m, its boundary pinned, and a smaller one that lies `height` above it.
+fn two_sheets(height: f64) -> Cloth {
+    let mut cloth = Sheet::new(0.5, 0.5, 0.05).pinned(Pin::Boundary).build(1, |u, v| Vec3::new(u, v, 0.0));
+    cloth
+        .append(Sheet::new(0.3, 0.3, 0.05).build(2, move |u, v| Vec3::new(u, v, height)), Vec3::new(0.103, 0.107, 0.0));
+    cloth
+}
+
+#[test]
+fn without_forces_a_sheet_at_rest_stays_where_it_is() {
+    let cloth = Sheet::new(0.5, 0.5, 0.05).build(1, |u, v| Vec3::new(u, v, 0.0));
+    let mut solver = Solver::new(cloth.clone(), parameters(0.0));
+    for _ in 0..20 {
+        solver.step(1.0 / 60.0, Help::NONE);
+    }
+    for (now, before) in solver.cloth().positions.iter().zip(&cloth.positions) {
+        assert!((now - before).norm() < 1e-5, "{before} moved to {now}");
+    }
+}
+
+#[test]
+fn contact_carries_a_falling_sheet_and_the_mask_lets_it_through() {
+    for masked in [false, true] {
+        let mut solver = Solver::new(two_sheets(0.03), parameters(9.81));
+        let num_vertices = solver.cloth().positions.len();
+        let no_contact = vec![masked; num_vertices];
+        for _ in 0..60 {
+            solver.step(1.0 / 60.0, Help { no_contact: &no_contact, ..Help::NONE });
+        }
+        let lowest = |range: &[Vec3]| range.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        let (below, above) = solver.cloth().positions.split_at(11 * 11);
+        assert_eq!(lowest(above) < lowest(below), masked, "masked: {masked}");
+        if !masked {
+            assert_eq!(count_edge_face(&solver.cloth().points(), &solver.cloth().triangles), Ok(0));
+        }
+    }
+}
+
+#[test]
+fn contact_defends_a_tangle_as_it_finds_it() {
+    // The upper sheet dips through the lower one.
+    let dip = |u: f64, v: f64| {
+        let r2 = (u - 0.15).powi(2) + (v - 0.15).powi(2);
+        Vec3::new(u, v, 0.03 - 0.08 * (-r2 / 0.005).exp())
+    };
+    let mut cloth = Sheet::new(0.5, 0.5, 0.05).pinned(Pin::Boundary).build(1, |u, v| Vec3::new(u, v, 0.0));
+    cloth.append(Sheet::new(0.3, 0.3, 0.05).build(2, dip), Vec3::new(0.103, 0.107, 0.0));
+    let mut solver = Solver::new(cloth, parameters(9.81));
+    for _ in 0..60 {
+        solver.step(1.0 / 60.0, Help::NONE);
+    }
+    assert!(count_edge_face(&solver.cloth().points(), &solver.cloth().triangles).unwrap() > 0);
+}
+
+#[test]
+fn help_moves_what_is_free_and_nothing_else() {
+    let cloth = Sheet::new(0.5, 0.5, 0.05).pinned(Pin::Boundary).build(1, |u, v| Vec3::new(u, v, 0.0));
+    let middle =
+        (0..cloth.positions.len()).find(|vertex| !cloth.pins.contains(&u32::try_from(*vertex).unwrap())).unwrap();
+    let up = vec![Vec3::new(0.0, 0.0, 0.01); cloth.positions.len()];
+    for help in [Help { displacement_m: &up, ..Help::NONE }, Help { velocity_change_m_s: &up, ..Help::NONE }] {
+        let mut solver = Solver::new(cloth.clone(), parameters(0.0));
+        solver.step(1.0 / 60.0, help);
+        assert!(solver.cloth().positions[middle].z > 1e-5);
+        for &pin in &cloth.pins {
+            assert!(solver.cloth().positions[pin as usize].z.abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! From where the cloth is seen.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+/// A parallel projection that shows a bounding box from a little above one of its corners. The thinnest side of the box is taken for
+/// its height: cloth mostly lies.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// Rows: right, up, towards the viewer.
+    axes: Matrix3<f64>,
+    /// What is seen in the middle of the picture, in the coordinates of `axes`.
+    centre: Vector3<f64>,
+    /// Pixels per metre.
+    scale: f64,
+    width: usize,
+    height: usize,
+}
+
+/// Angle round the height of the box, and above the horizon, in radians.
+const AZIMUTH: f64 = -0.45;
+const ELEVATION: f64 = 0.65;
+/// Part of the picture that stays empty all round, and at the top for the legend.
+const MARGIN: f64 = 0.05;
+
+impl View {
+    /// A view of all `positions`, in a picture of `width` x `height` pixels.
+    #[must_use]
+    pub fn of(positions: &[Point3<f64>], width: usize, height: usize) -> Self {
+        let mut view = Self { axes: axes(positions), centre: Vector3::zeros(), scale: 1.0, width, height };
+        let turned = positions.iter().map(|position| view.turn(position.coords));
+        let (low, high) = bounds(turned);
+        if low.x <= high.x {
+            view.centre = (low + high) / 2.0;
+            let size = high - low;
+            let [across, up] = view.size().map(|pixels| pixels * (1.0 - 2.0 * MARGIN));
+            let fit = (across / size.x).min(up / size.y);
+            view.scale = if fit.is_finite() { fit } else { 1.0 };
+        }
+        view
+    }
+
+    /// Pixels from left to right.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Pixels from top to bottom.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// A direction as the viewer sees it: right, up, towards the viewer.
+    pub(super) fn turn(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        self.axes * direction
+    }
+
+    /// A place in samples from the left and from the top; the third coordinate is the nearness, in samples as well.
+    pub(super) fn project(&self, position: Point3<f64>, samples: usize) -> Point3<f64> {
+        #[expect(clippy::cast_precision_loss, reason = "a handful of samples")]
+        let samples = samples as f64;
+        let seen = (self.turn(position.coords) - self.centre) * self.scale;
+        let [width, height] = self.size();
+        Point3::new(seen.x + width / 2.0, height / 2.0 - seen.y, seen.z) * samples
+    }
+
+    fn size(&self) -> [f64; 2] {
+        #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels")]
+        let size = [self.width as f64, self.height as f64];
+        size
+    }
+}
+
+fn bounds(points: impl Iterator<Item = Vector3<f64>>) -> (Vector3<f64>, Vector3<f64>) {
+    let empty = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    points.fold(empty, |(low, high), point| (low.inf(&point), high.sup(&point)))
+}
+
+fn axes(positions: &[Point3<f64>]) -> Matrix3<f64> {
+    let (low, high) = bounds(positions.iter().map(|position| position.coords));
+    let size = high - low;
+    // The last of equals, so that z is the height where nothing speaks against it.
+    let thinnest = (0..3).fold(2, |best, axis| if size[axis] < size[best] { axis } else { best });
+    let height = Vector3::ith(thinnest, 1.0);
+    let east = Vector3::ith((thinnest + 1) % 3, 1.0);
+    let north = height.cross(&east);
+    let ahead = north * AZIMUTH.cos() + east * AZIMUTH.sin();
+    let right = ahead.cross(&height);
+    let towards = height * ELEVATION.sin() - ahead * ELEVATION.cos();
+    let up = towards.cross(&right);
+    Matrix3::from_rows(&[right.transpose(), up.transpose(), towards.transpose()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_is_in_the_picture_and_nearer_is_larger() {
+        let corners: Vec<_> = (0..8_u8)
+            .map(|bits| Point3::new(f64::from(bits & 1) * 3.0, f64::from(bits >> 1 & 1), f64::from(bits >> 2) * 0.5))
+            .collect();
+        let view = View::of(&corners, 400, 300);
+        for &corner in &corners {
+            let seen = view.project(corner, 1);
+            assert!((0.0..=400.0).contains(&seen.x) && (0.0..=300.0).contains(&seen.y), "{seen}");
+        }
+        let above = view.project(Point3::new(1.0, 0.5, 5.0), 1);
+        let below = view.project(Point3::new(1.0, 0.5, 0.0), 1);
+        assert!(above.z > below.z && above.y < below.y);
+        assert!((view.axes.determinant() - 1.0).abs() < 1e-12, "the view is mirrored");
+    }
+
+    #[test]
+    fn a_point_or_nothing_at_all_is_no_reason_to_divide_by_zero() {
+        assert!(View::of(&[], 10, 10).project(Point3::origin(), 1).coords.norm().is_finite());
+        assert!(View::of(&[Point3::origin()], 10, 10).project(Point3::origin(), 1).coords.norm().is_finite());
+    }
+}
