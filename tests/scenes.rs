@@ -2,6 +2,8 @@
 //!
 //! They lie in `../shared`, which is not part of this repository; where it is missing, these tests say so and pass.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},

@@ -1,5 +1,7 @@
 //! Files as a user has them: read, refused, and written back.
 
+#![expect(clippy::float_cmp, reason = "coordinates must come back as the same bits")]
+
 use std::fs;
 
 use super::*;

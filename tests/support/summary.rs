@@ -9,8 +9,18 @@ use untangled::{analysis::Analysis, mesh::Mesh, paths::PairType};
 pub(crate) struct Summary {
     pub(crate) edge_face: BTreeSet<([u32; 2], u32)>,
     pub(crate) face_pairs: BTreeSet<[u32; 2]>,
-    /// Type, number of face pairs, loop vertices and inside sets of each pair of paths, sorted.
-    pub(crate) pairs: Vec<(PairType, usize, BTreeSet<u32>, Vec<BTreeSet<u32>>)>,
+    /// Sorted.
+    pub(crate) pairs: Vec<PairSummary>,
+}
+
+/// One pair of paths.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct PairSummary {
+    pub(crate) pair_type: PairType,
+    pub(crate) num_segments: usize,
+    pub(crate) loop_vertices: BTreeSet<u32>,
+    /// One set for each copy, sorted.
+    pub(crate) inside: Vec<BTreeSet<u32>>,
 }
 
 /// The summary of an analysis whose vertices and faces have these old names.
@@ -32,8 +42,8 @@ pub(crate) fn summary(
                 .map(|copy| regions.vertices_of(copy).iter().map(|id| vertex(id.0)).collect())
                 .collect();
             inside.sort();
-            let loops = pair.loop_vertices.iter().map(|id| vertex(id.0)).collect();
-            (pair.pair_type, pair.num_segments, loops, inside)
+            let loop_vertices = pair.loop_vertices.iter().map(|id| vertex(id.0)).collect();
+            PairSummary { pair_type: pair.pair_type, num_segments: pair.num_segments, loop_vertices, inside }
         })
         .collect();
     pairs.sort();
