@@ -1,7 +1,7 @@
 //! Whole frames of analysis on generated sheets, flat and crumpled.
 
 #[path = "../tests/support/sheet.rs"]
-#[allow(dead_code, reason = "a part of what the tests use")]
+#[allow(dead_code, clippy::unwrap_used, reason = "a part of what the tests use")]
 mod sheet;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};

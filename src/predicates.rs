@@ -165,6 +165,7 @@ fn coord3(site: Site) -> Coord3D<f64> {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, reason = "all numbers here are small")]
 mod tests {
     use super::*;
 
@@ -179,11 +180,9 @@ mod tests {
         assert_eq!(side_of_plane(a, b, c, site(3, 0., 0., -1.)), Side::Below);
     }
 
-    /// The four sites really moved, with perturbations far apart: floating point with small integers stands for the
-    /// infinitesimals, since every product below is exact in 128-bit integers.
+    /// The side after a move by symbols: numbers are polynomials in one infinitesimal, maps from exponents to integers, and the sign
+    /// is that of the term with the lowest exponent. Shares nothing with the table of minors.
     fn moved_side(sites: &[Site; 4]) -> Side {
-        // e(i, j) = 2^-(2^k) would underflow; instead evaluate the polynomial's leading term by recursion over a symbolic
-        // expansion: represent numbers as maps from exponent masks to integers.
         use std::collections::BTreeMap;
         type Poly = BTreeMap<u32, i128>;
         fn mul(a: &Poly, b: &Poly) -> Poly {

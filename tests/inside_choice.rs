@@ -1,5 +1,7 @@
 //! Which side of a path is inside, where a user says more than "the smaller one".
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 use untangled::{
     analysis::{Analyser, Analysis},
     frame::Frame,

@@ -4,6 +4,8 @@
 //! itself in one point, a loop vertex, where that curve reaches the crease `u = 0`. So the paths in the parameter domain are known
 //! beforehand, and with them their types and inside regions. The other scenes are flat sheets placed through each other.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 use untangled::{
     analysis::{Analysis, analyse},
     frame::Frame,

@@ -3,6 +3,7 @@
 //! They lie in `../shared`, which is not part of this repository; where it is missing, these tests say so and pass.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "says what was skipped")]
 
 use std::{
     collections::{BTreeMap, BTreeSet},
