@@ -43,3 +43,8 @@ pub use error::{
 pub use registration::{Registration, Uvs};
 pub use session::{Session, StepTime};
 pub use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type};
+
+/// The README's first client compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,8 +1,8 @@
 //! The simulator that this host would have anyway: extended position-based dynamics with small steps.
 //!
 //! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez 2016
-//! (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist [stretch], hinges
-//! resist [bending](bend), and [contact] keeps the cloth off itself, on whichever side it happens to be, as most simulators do.
+//! (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch, hinges
+//! resist bending, and contact keeps the cloth off itself, on whichever side it happens to be, as most simulators do.
 //! Everything is sequential and in a fixed order: the same input gives the same motion.
 
 mod bend;
