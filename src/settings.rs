@@ -58,6 +58,8 @@ pub enum InsideChoice {
     Count,
     /// The side with the smaller area.
     Area,
+    /// The side that takes less work to bring back: the sum over its vertices of area times squared distance from the path.
+    Work,
 }
 
 impl Default for Settings {

@@ -157,4 +157,6 @@ fn the_smaller_area_is_not_always_the_smaller_number() {
     };
     assert_eq!(by(InsideChoice::Count), [0, 1, 2, 3, 4, 5]);
     assert_eq!(by(InsideChoice::Area), (6..18).collect::<Vec<u32>>());
+    // The left end is far from the wall, the right one near.
+    assert_eq!(by(InsideChoice::Work), (6..18).collect::<Vec<u32>>());
 }

@@ -122,7 +122,7 @@ fn divide(
 ) -> InsideRegion {
     let (count, area) = (|_| 1.0, |vertex| vertex_area(scene, vertex));
     let terms = match scene.settings.inside {
-        InsideChoice::Count => Terms { allowed, weight: &count, tie_weight: &area, left },
+        InsideChoice::Count | InsideChoice::Work => Terms { allowed, weight: &count, tie_weight: &area, left },
         InsideChoice::Area => Terms { allowed, weight: &area, tie_weight: &count, left },
     };
     let first = regions.vertices.len();
@@ -135,7 +135,7 @@ fn divide(
 }
 
 /// A third of the area of the faces round a vertex, in square metres.
-fn vertex_area(scene: &Scene<'_>, vertex: VertexId) -> f64 {
+pub(crate) fn vertex_area(scene: &Scene<'_>, vertex: VertexId) -> f64 {
     let area = |face: &FaceId| {
         let [a, b, c] = scene.mesh.face(*face).map(|corner| scene.frame.position(corner));
         (b - a).cross(&(c - a)).norm() / 6.0

@@ -5,6 +5,7 @@ mod finder;
 mod flood;
 mod side;
 mod winding;
+mod work;
 
 use std::ops::Range;
 

@@ -3,13 +3,14 @@
 use super::{
     flood::{Flood, Terms},
     winding::winding_number,
+    work::by_work,
 };
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathPoint, SurfacePoint},
     predicates::{Side, side_of_plane},
-    settings::Settings,
+    settings::{InsideChoice, Settings},
 };
 
 /// What all decisions about one frame look at.
@@ -21,7 +22,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) settings: &'a Settings,
 }
 
-/// The inside after a fill that separated: by layers, by winding numbers, by pins, or else the smaller side. Its vertices are then
+/// The inside after a fill that separated: by layers, by winding numbers, by pins, by work, or else the smaller
+/// side. Its vertices are then
 /// complete in `flood`.
 pub(crate) fn choose_side(flood: &mut Flood, scene: &Scene<'_>, points: &[PathPoint], terms: &Terms<'_>) -> usize {
     let Settings { layer_order, winding, pinned_outside, .. } = *scene.settings;
@@ -35,6 +37,10 @@ pub(crate) fn choose_side(flood: &mut Flood, scene: &Scene<'_>, points: &[PathPo
     if pinned_outside && choice.is_none() {
         flood.complete(scene.mesh, terms);
         choice = by_pins(flood, scene.mesh);
+    }
+    if scene.settings.inside == InsideChoice::Work && choice.is_none() {
+        flood.complete(scene.mesh, terms);
+        choice = by_work(flood, scene, points);
     }
     let inside = choice.unwrap_or(flood.smaller());
     if inside != flood.smaller() {
