@@ -219,7 +219,10 @@ const EXPLANATIONS: &[(&str, &str)] = &[
         "settings.response",
         "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to the targets) or `mask` (flags only).",
     ),
-    ("settings.inside", "Which side of a path is inside: the one with fewer vertices, `count`, with less `area`, or the one that takes less `work` to bring back."),
+    (
+        "settings.inside",
+        "Which side of a path is inside: the one with fewer vertices, `count`, with less `area`, or the one that takes less `work` to bring back.",
+    ),
     (
         "settings.stiffness_per_step2",
         "Part of the distance to its target that a vertex covers in a step, per unit mass and step^2.",

@@ -6,6 +6,7 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
+use arrayvec::ArrayVec;
 use nalgebra::{Point3, Vector2};
 
 use crate::{
@@ -78,8 +79,8 @@ impl Disc {
         while let Some(Candidate { distance, face }) = self.queue.pop() {
             let found = ends.map(|end| self.distance_to(mesh, end));
             radius = found.into_iter().flatten().reduce(f64::min);
-            // Both ends are laid out, and all that is nearer than the nearer one.
-            if found.iter().all(Option::is_some) && radius.is_some_and(|radius| distance > radius) {
+            // All that is nearer than the nearer end is laid out; an end that is not is farther away.
+            if radius.is_some_and(|radius| distance > radius) {
                 break;
             }
             self.lay_out(mesh, frame, face);
@@ -145,7 +146,7 @@ impl Disc {
         match placed {
             [Some(_), Some(_), Some(_)] => {}
             _ => {
-                let known: Vec<usize> = (0..3).filter(|&corner| placed[corner].is_some()).collect();
+                let known: ArrayVec<usize, 3> = (0..3).filter(|&corner| placed[corner].is_some()).collect();
                 if let &[a, b] = known.as_slice() {
                     let c = 3 - a - b;
                     let edge = placed[a].zip(placed[b]);
