@@ -218,3 +218,36 @@ fn boundaries_that_touch_exactly_are_both_ends() {
     let region = analysis.regions.by_copy[0].as_ref().unwrap();
     assert!(region.partitioning && !region.vertices.is_empty());
 }
+
+/// As for LL, but the sheet is slit open from the boundary across the path: the lips of the slit touch exactly.
+#[test]
+fn a_loop_loop_over_a_closed_slit_is_a_boundary_loop_loop_boundary() {
+    let g = |x: f64, v: f64| (x / 0.5).powi(2) + ((v - 0.47) / 0.3).powi(2) - 1.0;
+    let (nu, nv, row) = (40, 30, 14);
+    let mut scene = Scene::fold([-1.0, 0.97], [nu, nv], g);
+    // The row's vertices from u = 0.25 on get twins for the faces above it.
+    let on_slit = |vertex: u32| vertex / (nu + 1) == row && scene.uvs[vertex as usize][0] > 0.25;
+    let mut twins = std::collections::BTreeMap::new();
+    for vertex in (0..(nu + 1) * (nv + 1)).filter(|&vertex| on_slit(vertex)).skip(1) {
+        twins.insert(vertex, u32::try_from(scene.positions.len() + twins.len()).unwrap());
+    }
+    for (face, corners) in scene.faces.iter_mut().enumerate() {
+        if u32::try_from(face).unwrap() / (2 * nu) >= row {
+            corners.iter_mut().for_each(|corner| *corner = twins.get(corner).copied().unwrap_or(*corner));
+        }
+    }
+    for &vertex in twins.keys() {
+        scene.positions.push(scene.positions[vertex as usize]);
+        scene.uvs.push(scene.uvs[vertex as usize]);
+    }
+    let (_, analysis) = scene.analyse();
+    let long: Vec<_> = analysis.paths.pairs.iter().filter(|pair| pair.length_m > 0.05).collect();
+    assert_eq!(long.len(), 1);
+    assert_eq!(long[0].pair_type, PairType::BoundaryLoopLoopBoundary);
+    assert_eq!(long[0].loop_vertices.len(), 2);
+    assert_eq!(long[0].copies.len(), 2);
+    for copy in &analysis.paths.copies[long[0].copies.clone()] {
+        let last = analysis.paths.arclengths_m(copy).last().unwrap();
+        assert!(last > 0.1 && analysis.paths.arclengths_m(copy).is_sorted());
+    }
+}

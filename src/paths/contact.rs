@@ -1,4 +1,4 @@
-//! Ends where two boundaries touch exactly: the only source of BLB, BLLB and BB/BB, and of BB/BI without a loop vertex.
+//! Ends where two boundaries touch exactly: the only source of BLB and BB/BB, and of BB/BI without a loop vertex.
 //!
 //! The signs know no touching: on the perturbed input the boundary edge pierces the face just inside its boundary, or misses it. Here the
 //! coordinates are asked as they are, with exact arithmetic. The answer names the path; it changes no intersection.
@@ -16,9 +16,6 @@ use crate::{
 pub(crate) struct Contact {
     /// Place of the pierced sheet: on a boundary edge, or in a boundary vertex.
     pub(crate) on_face: SurfacePoint,
-    /// The piercing edge, or its end if it touches with that.
-    on_edge: Site,
-    site: Site,
 }
 
 /// What touches, without numbers.
@@ -56,22 +53,11 @@ impl Contact {
             [true, false, true] => Self::vertex(mesh, a)?,
             _ => return None,
         };
-        let on_edge = match in_plane {
-            [true, false] => Site::Vertex(p),
-            [false, true] => Site::Vertex(q),
-            _ => Site::Edge(crossing.edge),
-        };
         let on_face = match site {
             Site::Vertex(vertex) => SurfacePoint::Vertex(vertex),
             Site::Edge(edge) => SurfacePoint::Edge { edge, parameter: Self::parameter(mesh, crossing, edge) },
         };
-        Some(Self { on_face, on_edge, site })
-    }
-
-    /// Whether two contacts are the same two places, in either order.
-    pub(crate) fn is_same_place(&self, other: &Self) -> bool {
-        (self.on_edge == other.on_edge && self.site == other.site)
-            || (self.on_edge == other.site && self.site == other.on_edge)
+        Some(Self { on_face })
     }
 
     fn vertex(mesh: &Mesh, vertex: VertexId) -> Option<Site> {

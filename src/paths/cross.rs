@@ -4,10 +4,9 @@
 //! Seen from above the vertex, joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws chords in the
 //! circle of half-paths. A reading of the paths is possible only if its chords do not cross.
 //!
-//! BLLB: two chains from different loop vertices whose ends on the boundary are the same exact contact.
+//! BLLB: two chains from different loop vertices that end on boundaries which touch exactly there.
 
 use super::{
-    contact::Contact,
     fan::{chords_cross, direction, ordered_fan},
     view::{BoundaryEnd, ChainView, Ends},
 };
@@ -32,10 +31,25 @@ pub(crate) struct Crosses {
     joins: Vec<Join>,
     /// Chains that may be joined, by their loop vertex.
     candidates: Vec<(VertexId, usize)>,
-    /// Chains that end where two boundaries touch exactly.
-    contacts: Vec<(VertexId, usize, Contact)>,
+    /// The vertices next to the ends of chains on the boundary.
+    touching: Vec<Touching>,
     fan: Vec<(FaceId, VertexId)>,
     half_paths: Vec<HalfPath>,
+}
+
+/// A boundary vertex next to the end of a chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Touching {
+    place: [u64; 3],
+    vertex: VertexId,
+    chain: usize,
+    loop_vertex: VertexId,
+}
+
+impl Touching {
+    fn meets(&self, other: &Self) -> bool {
+        self.vertex != other.vertex && self.chain != other.chain && self.loop_vertex != other.loop_vertex
+    }
 }
 
 /// A half-path at a vertex, sorted round it.
@@ -70,24 +84,29 @@ impl Crosses {
         self.candidates = rest;
     }
 
-    /// Joins what is left where two chains end in the same contact of two boundaries. Contacts are rare, so that trying all
-    /// pairs of them costs nothing.
+    /// Joins what is left where two chains end on boundaries that touch: two vertices of one position, one on each.
     fn join_touching(&mut self, view: &ChainView<'_>, candidates: &[(VertexId, usize)]) {
-        self.contacts.clear();
-        for &(vertex, chain) in candidates {
-            if self.joins[chain] == Join::Alone
-                && let Ends::LoopBoundary(_, BoundaryEnd { contact: Some(contact), .. }) = view.ends(chain)
+        self.touching.clear();
+        for &(loop_vertex, chain) in candidates.iter().filter(|&&(_, chain)| self.joins[chain] == Join::Alone) {
+            if let Ends::LoopBoundary(_, BoundaryEnd { edge, .. }) = view.ends(chain)
+                && view.mesh.is_boundary_edge(edge)
             {
-                self.contacts.push((vertex, chain, contact));
+                for vertex in view.mesh.edge(edge) {
+                    // Positions are compared as they are; adding zero makes one zero of two.
+                    let place = view.frame.position(vertex).coords.map(|x| (x + 0.0).to_bits()).into();
+                    self.touching.push(Touching { place, vertex, chain, loop_vertex });
+                }
             }
         }
-        for (i, (vertex, chain, contact)) in self.contacts.iter().enumerate() {
-            for (other_vertex, other_chain, other) in &self.contacts[i + 1..] {
-                let free = self.joins[*chain] == Join::Alone && self.joins[*other_chain] == Join::Alone;
-                if free && vertex != other_vertex && contact.is_same_place(other) {
-                    self.joins[*chain.min(other_chain)] = Join::Touching { partner: *chain.max(other_chain) };
-                    self.joins[*chain.max(other_chain)] = Join::Second;
-                }
+        self.touching.sort_unstable();
+        for group in self.touching.chunk_by(|a, b| a.place == b.place) {
+            let (Some(first), Some(second)) = (group.first(), group.iter().find(|end| end.meets(&group[0]))) else {
+                continue;
+            };
+            if self.joins[first.chain] == Join::Alone && self.joins[second.chain] == Join::Alone {
+                let (lower, higher) = (first.chain.min(second.chain), first.chain.max(second.chain));
+                self.joins[lower] = Join::Touching { partner: higher };
+                self.joins[higher] = Join::Second;
             }
         }
     }

@@ -201,3 +201,18 @@ pub struct IntersectionPaths {
     /// Segments of all copies.
     pub segments: Vec<PathSegment>,
 }
+
+impl IntersectionPaths {
+    /// World length from the start of a path to each of its points, in metres. Corresponding paths share their world positions, so that
+    /// it is the arclength of both; a path that folds back at a loop vertex counts both ways.
+    pub fn arclengths_m(&self, copy: &PathCopy) -> impl Iterator<Item = f64> + '_ {
+        let points = &self.points[copy.points.clone()];
+        let mut length = 0.0;
+        points.iter().enumerate().map(move |(index, point)| {
+            if index > 0 {
+                length += (point.position - points[index - 1].position).norm();
+            }
+            length
+        })
+    }
+}

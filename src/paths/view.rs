@@ -10,7 +10,7 @@ use super::{
 use crate::{
     frame::Frame,
     intersect::{EdgeFaceIntersection, Intersections, SegmentEnd},
-    mesh::{FaceId, Mesh, VertexId},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
 };
 
 /// How a chain ends.
@@ -29,6 +29,8 @@ pub(crate) enum Ends {
 /// The end of a chain where an edge of the boundary pierces a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoundaryEnd {
+    /// The edge.
+    pub(crate) edge: EdgeId,
     /// The copy that owns the edge and ends there.
     pub(crate) bounded: usize,
     /// Where the other copy ends on a boundary too, because both touch exactly.
@@ -86,6 +88,7 @@ impl ChainView<'_> {
     fn boundary_end(&self, chain: usize, place: usize, index: u32) -> BoundaryEnd {
         let crossing = self.crossing(index);
         BoundaryEnd {
+            edge: crossing.edge,
             bounded: usize::from(self.runs_in_face(chain, 0, place, crossing.face)),
             contact: Contact::at(self.mesh, self.frame, crossing),
         }
