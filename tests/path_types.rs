@@ -10,7 +10,7 @@ use untangled::{
     analysis::{Analysis, analyse},
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs, VertexId},
-    paths::{PairType, PathType},
+    paths::{PairType, PathPoint, PathType, SurfacePoint},
 };
 
 /// A scene with its parameter domain.
@@ -168,6 +168,35 @@ fn a_wedge_that_starts_at_the_crease_is_a_cross() {
         let [u, v] = scene.uvs[vertex.index()];
         u > 0.0 && g(u * u, v) < 0.0
     });
+}
+
+/// Errors of the layout must not grow with the number of faces between the loop vertex and the ends of the path.
+#[test]
+fn the_disc_of_a_fine_sheet_is_as_wide_as_its_texture_coordinates_say() {
+    let scene = Scene::fold([-1.0, 0.8], [380, 60], |x, v| v - 0.4 - 0.2 * x);
+    let (mesh, analysis) = assert_types(&scene, &[PairType::BoundaryLoopInside], &[PathType::BoundaryLoopInside]);
+    let copy = &analysis.paths.copies[0];
+    let [cu, cv] = scene.uvs[analysis.paths.pairs[0].loop_vertices[0].index()];
+    let distance = |point: &PathPoint| {
+        let weighted = |vertex: VertexId, weight: f64| scene.uvs[vertex.index()].map(|x| weight * x);
+        let place = match point.own {
+            SurfacePoint::Vertex(vertex) => scene.uvs[vertex.index()],
+            SurfacePoint::Edge { edge, parameter } => {
+                let [[au, av], [bu, bv]] = mesh.edge(edge).map(|vertex| scene.uvs[vertex.index()]);
+                [au + parameter * (bu - au), av + parameter * (bv - av)]
+            }
+            SurfacePoint::Face { face, barycentric } => {
+                let corners = mesh.face(face);
+                let parts = [0, 1, 2].map(|corner| weighted(corners[corner], barycentric[corner]));
+                [0, 1].map(|axis| parts.iter().map(|part| part[axis]).sum())
+            }
+        };
+        (place[0] - cu).hypot(place[1] - cv)
+    };
+    let points = &analysis.paths.points[copy.points.clone()];
+    let nearer = distance(&points[0]).min(distance(&points[points.len() - 1]));
+    let radius = analysis.regions.by_copy[0].as_ref().unwrap().disc_radius.unwrap();
+    assert!((radius - nearer).abs() < 1e-12, "radius {radius}, nearer end {nearer}");
 }
 
 /// A horizontal sheet and an upright one through it, `x` from `range`.

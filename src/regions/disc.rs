@@ -3,10 +3,12 @@
 //! Faces are laid out one after the other, nearest first, each along an edge that is already there: with their texture coordinates where
 //! the mesh has them, otherwise with their rest lengths. Across a seam the layout simply goes on. Where the coordinates are
 //! smooth, the result is these coordinates themselves, moved so that the loop vertex is the origin.
+//!
+//! Each face keeps the motion that placed it, and hands it on to its neighbours: so errors add up from face to face. Placing each corner
+//! by the two that are there would multiply them.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-use arrayvec::ArrayVec;
 use nalgebra::{Point3, Vector2};
 
 use crate::{
@@ -20,12 +22,14 @@ use crate::{
 struct Candidate {
     distance: f64,
     face: FaceId,
+    /// The face and the edge that it is reached from.
+    from: Option<(FaceId, EdgeId)>,
 }
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         // Reversed: the heap's greatest is the nearest, then the lowest face.
-        other.distance.total_cmp(&self.distance).then(other.face.cmp(&self.face))
+        other.distance.total_cmp(&self.distance).then(other.face.cmp(&self.face)).then(other.from.cmp(&self.from))
     }
 }
 
@@ -48,7 +52,7 @@ impl Eq for Candidate {}
 pub(crate) struct Disc {
     epoch: u32,
     places: Vec<(u32, Vector2<f64>)>,
-    laid_out: Vec<u32>,
+    layouts: Vec<(u32, Layout)>,
     queue: BinaryHeap<Candidate>,
     radius: f64,
 }
@@ -65,25 +69,25 @@ impl Disc {
         ends: [SurfacePoint; 2],
     ) -> Option<f64> {
         self.places.resize(mesh.num_vertices(), (0, Vector2::zeros()));
-        self.laid_out.resize(mesh.num_faces(), 0);
+        self.layouts.resize(mesh.num_faces(), (0, Layout::default()));
         self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
             self.places.fill((0, Vector2::zeros()));
-            self.laid_out.fill(0);
+            self.layouts.fill((0, Layout::default()));
             1
         });
         self.queue.clear();
         self.place(centre, Vector2::zeros());
         let first = *mesh.vertex_faces(centre).first()?;
-        self.queue.push(Candidate { distance: 0.0, face: first });
+        self.queue.push(Candidate { distance: 0.0, face: first, from: None });
         let mut radius: Option<f64> = None;
-        while let Some(Candidate { distance, face }) = self.queue.pop() {
+        while let Some(Candidate { distance, face, from }) = self.queue.pop() {
             let found = ends.map(|end| self.distance_to(mesh, end));
             radius = found.into_iter().flatten().reduce(f64::min);
             // All that is nearer than the nearer end is laid out; an end that is not is farther away.
             if radius.is_some_and(|radius| distance > radius) {
                 break;
             }
-            self.lay_out(mesh, frame, face);
+            self.lay_out(mesh, frame, face, from, centre);
         }
         self.radius = radius?;
         radius
@@ -136,52 +140,92 @@ impl Disc {
     }
 
     /// Places the corners of a face that are not placed yet, and queues its neighbours.
-    fn lay_out(&mut self, mesh: &Mesh, frame: &Frame, face: FaceId) {
-        if std::mem::replace(&mut self.laid_out[face.index()], self.epoch) == self.epoch {
+    fn lay_out(&mut self, mesh: &Mesh, frame: &Frame, face: FaceId, from: Option<(FaceId, EdgeId)>, centre: VertexId) {
+        if self.layouts[face.index()].0 == self.epoch {
             return;
         }
         let corners = mesh.face(face);
         let local = local_coordinates(mesh, frame, face);
-        let placed = corners.map(|corner| self.place_of(corner));
-        match placed {
-            [Some(_), Some(_), Some(_)] => {}
-            _ => {
-                let known: ArrayVec<usize, 3> = (0..3).filter(|&corner| placed[corner].is_some()).collect();
-                if let &[a, b] = known.as_slice() {
-                    let c = 3 - a - b;
-                    let edge = placed[a].zip(placed[b]);
-                    if let Some((to_a, to_b)) = edge {
-                        let beyond = self.apex_beyond(mesh, face, corners[a], corners[b]);
-                        let place = continue_layout([local[a], local[b], local[c]], [to_a, to_b], beyond);
-                        self.place(corners[c], place);
-                    }
-                } else if let &[a] = known.as_slice() {
-                    // The first face: as it is.
-                    for corner in (0..3).filter(|&corner| corner != a) {
-                        self.place(corners[corner], local[corner] - local[a]);
-                    }
-                }
+        let layout = match from {
+            Some((previous, edge)) => {
+                let at = |face: FaceId, local: [Vector2<f64>; 3]| {
+                    // The ends of the edge, then the third corner.
+                    let ends = mesh.edge(edge);
+                    let apex = mesh.face(face).into_iter().find(|corner| !ends.contains(corner)).unwrap_or(ends[0]);
+                    [ends[0], ends[1], apex].map(|vertex| {
+                        let corner = mesh.face(face).into_iter().position(|corner| corner == vertex);
+                        local[corner.unwrap_or_default()]
+                    })
+                };
+                let before = at(previous, local_coordinates(mesh, frame, previous));
+                self.layouts[previous.index()].1.continued(before, at(face, local))
+            }
+            None => {
+                let origin = corners.into_iter().position(|corner| corner == centre).unwrap_or_default();
+                Layout { shift: -local[origin], ..Layout::default() }
+            }
+        };
+        self.layouts[face.index()] = (self.epoch, layout);
+        for (corner, place) in corners.into_iter().zip(local) {
+            if self.place_of(corner).is_none() {
+                self.place(corner, layout.apply(place));
             }
         }
         for edge in mesh.face_edges(face).into_iter().flatten() {
             let distance = mesh.edge(edge).into_iter().filter_map(|end| self.place_of(end)).map(|place| place.norm());
             let distance = distance.reduce(f64::min).unwrap_or(f64::INFINITY);
             for &neighbour in mesh.edge_faces(edge) {
-                if self.laid_out[neighbour.index()] != self.epoch {
-                    self.queue.push(Candidate { distance, face: neighbour });
+                if self.layouts[neighbour.index()].0 != self.epoch {
+                    self.queue.push(Candidate { distance, face: neighbour, from: Some((face, edge)) });
                 }
             }
         }
     }
+}
 
-    /// Where the face on the other side of an edge has its third corner: the new face goes to the other side.
-    fn apex_beyond(&self, mesh: &Mesh, face: FaceId, a: VertexId, b: VertexId) -> Option<Vector2<f64>> {
-        let edge = mesh.edge_between(a, b)?;
-        let laid_out = |&&other: &&FaceId| other != face && self.laid_out[other.index()] == self.epoch;
-        let other = mesh.edge_faces(edge).iter().find(laid_out)?;
-        let apex = mesh.face(*other).into_iter().find(|&corner| corner != a && corner != b)?;
-        self.place_of(apex)
+/// A motion of the plane, with a scale: `z -> shift + turn * z` in complex numbers, or of the conjugate of `z` if mirrored.
+#[derive(Clone, Copy, Debug)]
+struct Layout {
+    turn: Vector2<f64>,
+    mirrored: bool,
+    shift: Vector2<f64>,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self { turn: Vector2::new(1.0, 0.0), mirrored: false, shift: Vector2::zeros() }
     }
+}
+
+impl Layout {
+    fn apply(&self, z: Vector2<f64>) -> Vector2<f64> {
+        self.shift + times(self.turn, conjugate_if(self.mirrored, z))
+    }
+
+    /// The layout of a neighbour: `before` and `after` are the ends of the common edge and the third corner, in the plane of
+    /// the face that has this layout and in that of the neighbour. The neighbour goes to the other side of the edge.
+    fn continued(&self, before: [Vector2<f64>; 3], after: [Vector2<f64>; 3]) -> Self {
+        let is_left = |[a, b, c]: [Vector2<f64>; 3]| (b - a).perp(&(c - a)) > 0.0;
+        let flip = is_left(before) == is_left(after);
+        let along = conjugate_if(flip, after[1] - after[0]);
+        let squared = along.norm_squared();
+        let relative = if squared > 0.0 {
+            times(before[1] - before[0], conjugate_if(true, along)) / squared
+        } else {
+            Vector2::new(1.0, 0.0)
+        };
+        let turn = times(self.turn, conjugate_if(self.mirrored, relative));
+        let mirrored = self.mirrored != flip;
+        Self { turn, mirrored, shift: self.apply(before[0]) - times(turn, conjugate_if(mirrored, after[0])) }
+    }
+}
+
+fn times(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x)
+}
+
+fn conjugate_if(conjugate: bool, z: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(z.x, if conjugate { -z.y } else { z.y })
 }
 
 /// A face in a plane of its own: its texture coordinates, or a triangle of its rest lengths.
@@ -202,20 +246,4 @@ fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>;
     } else {
         [Vector2::zeros(), Vector2::zeros(), Vector2::new(0.0, to_c.norm())]
     }
-}
-
-/// Moves the triangle `[a, b, c]` so that its first two corners fall on `to`, and returns the place of the third, on the side of `to`
-/// away from `beyond`.
-fn continue_layout([a, b, c]: [Vector2<f64>; 3], to: [Vector2<f64>; 2], beyond: Option<Vector2<f64>>) -> Vector2<f64> {
-    let (along, target) = (b - a, to[1] - to[0]);
-    let squared = along.norm_squared();
-    if squared <= 0.0 {
-        return to[0];
-    }
-    let relative = c - a;
-    let (x, y) = (relative.dot(&along) / squared, along.perp(&relative) / squared);
-    let normal = Vector2::new(-target.y, target.x);
-    let place = |y: f64| to[0] + target * x + normal * y;
-    let mirrored = beyond.is_some_and(|beyond| (target.perp(&(beyond - to[0])) > 0.0) == (y > 0.0));
-    place(if mirrored { -y } else { y })
 }
