@@ -23,7 +23,7 @@ pub struct RegionFinder {
 impl RegionFinder {
     /// Finds the inside regions of all paths of a frame.
     ///
-    /// Cost: for each path linear in its segments and in the size of its smaller side.
+    /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB in the faces of the disc.
     pub fn find(
         &mut self,
         mesh: &Mesh,
