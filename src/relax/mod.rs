@@ -1,12 +1,21 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod clusters;
+mod domain;
+mod goals;
+mod guard;
+mod motion;
+mod orient;
+mod shape;
+mod solver;
+
 use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
-    frame::{Frame, FrameError},
+    frame::FrameError,
     mesh::Mesh,
     paths::PairType,
 };
@@ -105,9 +114,8 @@ pub enum RelaxError {
 pub fn relax(
     mesh: &Mesh,
     positions: &[[f64; 3]],
-    _settings: &RelaxSettings,
-    _progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    settings: &RelaxSettings,
+    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    Frame::new(mesh, positions)?;
-    Ok(Relaxation { positions: positions.to_vec(), history: Vec::new(), blocked: Vec::new(), interrupted: false })
+    solver::run(mesh, positions, settings, progress)
 }
