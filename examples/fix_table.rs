@@ -81,8 +81,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     #[expect(clippy::cast_precision_loss, reason = "counts of a table")]
     let mean = rows.iter().map(|row| row.iterations as f64).sum::<f64>() / rows.len().max(1) as f64;
     println!("{clean} of {} clean, {mean:.1} iterations on the average", rows.len());
-    let mut worst: Vec<f64> = rows.iter().map(|row| if row.edges.1.ln() > -row.edges.0.ln() { row.edges.1 } else { row.edges.0 }).collect();
-    worst.sort_by(f64::total_cmp);
+    let mut worst: Vec<f64> =
+        rows.iter().map(|row| if row.edges.1.ln() > -row.edges.0.ln() { row.edges.1 } else { row.edges.0 }).collect();
+    worst.sort_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
     if let Some(median) = worst.get(worst.len() / 2) {
         println!("median of the worst edge ratios: {median:.3}; {:.3} to {:.3}", worst[0], worst[worst.len() - 1]);
     }
@@ -142,7 +143,9 @@ fn run(
         .fold(0.0, f64::max)
         / diagonal;
     let iterations = relaxation.history.len();
-    println!("{name:<28} {before:>8} {after:>6} {iterations:>6} {seconds:>8.2} {shortest:>8.3} {longest:>8.3} {smallest:>8.3} {moved:>8.4}");
+    println!(
+        "{name:<28} {before:>8} {after:>6} {iterations:>6} {seconds:>8.2} {shortest:>8.3} {longest:>8.3} {smallest:>8.3} {moved:>8.4}"
+    );
     Ok(Row { after, iterations, edges: (shortest, longest) })
 }
 

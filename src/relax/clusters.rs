@@ -135,10 +135,17 @@ impl Tangle {
 }
 
 /// Measures all intersections, cluster by cluster; the last entry is for those near no cluster.
-pub(super) fn measure(mesh: &Mesh, frame: &Frame, found: &Intersections, clusters: &Clusters, tangles: &mut Vec<Tangle>) {
+pub(super) fn measure(
+    mesh: &Mesh,
+    frame: &Frame,
+    found: &Intersections,
+    clusters: &Clusters,
+    tangles: &mut Vec<Tangle>,
+) {
     tangles.clear();
     tangles.resize(clusters.len() + 1, Tangle::default());
-    let place = |face: FaceId| mesh.face(face).into_iter().find_map(|vertex| clusters.of(vertex)).unwrap_or(clusters.len());
+    let place =
+        |face: FaceId| mesh.face(face).into_iter().find_map(|vertex| clusters.of(vertex)).unwrap_or(clusters.len());
     for crossing in &found.edge_face {
         tangles[place(crossing.face)].num_edge_face += 1;
     }

@@ -13,7 +13,9 @@ use crate::{
 };
 
 /// Gap that is to be left between the sheets, in mean edge lengths of the faces along the path.
-const GAP: f64 = 0.5;
+fn gap_edges() -> f64 {
+    super::knob("GAP", 0.5)
+}
 /// Part of its length that contour minimisation wants a path to lose in one iteration.
 const SHORTENING: f64 = 0.6;
 
@@ -98,7 +100,7 @@ impl Goals {
     /// Parts the sheets along a path with a region: points inside move to the other side of the corresponding sheet.
     fn part(&mut self, scene: &Scene<'_>, path: &PathCorrespondence, to_targets: bool) {
         let Scene { mesh, frame, found, orientation, .. } = *scene;
-        let gap = GAP * path.edge_length_m;
+        let gap = gap_edges() * path.edge_length_m;
         let partings = &found.partings[path.partings.clone()];
         // The side of the corresponding sheet on which the inside belongs.
         let mut side = 0.0;
@@ -134,7 +136,8 @@ impl Goals {
         let segments = &analysis.paths.segments[path.segments.clone()];
         let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-        let ends_on_partner_boundary = |point: &PathPoint| matches!(point.partner, SurfacePoint::Edge { edge, .. } if mesh.is_boundary_edge(edge));
+        let ends_on_partner_boundary =
+            |point: &PathPoint| matches!(point.partner, SurfacePoint::Edge { edge, .. } if mesh.is_boundary_edge(edge));
         let exit = if ends_on_partner_boundary(last) { last.position } else { first.position };
         for (index, segment) in segments.iter().enumerate() {
             let (start, end) = (&points[index], &points[index + 1]);
@@ -145,7 +148,7 @@ impl Goals {
             if let (Some(own), Some(partner)) = (own, partner)
                 && length > 0.0
             {
-                self.push_pair(&own, &partner, way / length, length + GAP * edge_length_m, copy);
+                self.push_pair(&own, &partner, way / length, length + gap_edges() * edge_length_m, copy);
             }
         }
     }
@@ -173,7 +176,14 @@ impl Goals {
         }
     }
 
-    fn push_pair(&mut self, own: &MaterialPoint, partner: &MaterialPoint, direction: Vector3<f64>, wanted_m: f64, copy: usize) {
+    fn push_pair(
+        &mut self,
+        own: &MaterialPoint,
+        partner: &MaterialPoint,
+        direction: Vector3<f64>,
+        wanted_m: f64,
+        copy: usize,
+    ) {
         for (point, sign) in [(own, 1.0), (partner, -1.0)] {
             for (&vertex, weight) in point.vertices.iter().zip(point.weights).filter(|(_, weight)| *weight != 0.0) {
                 self.terms.push((vertex, direction * (sign * weight)));

@@ -27,13 +27,31 @@ impl Guard {
     }
 
     /// Whether a face has become, or gone on becoming, too small against the input.
-    pub(super) fn refuses_face(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], face: FaceId) -> bool {
+    pub(super) fn refuses_face(
+        &self,
+        mesh: &Mesh,
+        before: &[Point3<f64>],
+        after: &[Point3<f64>],
+        face: FaceId,
+    ) -> bool {
         let now = area(mesh, after, face);
         now < SMALLEST_AREA * self.areas[face.index()] && now < area(mesh, before, face)
     }
 
+    /// Length of an edge over that in the input; 1 where it had none.
+    pub(super) fn stretch(&self, mesh: &Mesh, positions: &[Point3<f64>], edge: EdgeId) -> f64 {
+        let input = self.lengths[edge.index()];
+        if input > 0.0 { length(mesh, positions, edge) / input } else { 1.0 }
+    }
+
     /// Whether an edge has become, or gone on becoming, too long or too short against the input.
-    pub(super) fn refuses_edge(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], edge: EdgeId) -> bool {
+    pub(super) fn refuses_edge(
+        &self,
+        mesh: &Mesh,
+        before: &[Point3<f64>],
+        after: &[Point3<f64>],
+        edge: EdgeId,
+    ) -> bool {
         let input = self.lengths[edge.index()];
         let (then, now) = (length(mesh, before, edge), length(mesh, after, edge));
         (now > LARGEST_STRETCH * input && now > then) || (now * LARGEST_STRETCH < input && now < then)

@@ -14,11 +14,7 @@ use std::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{
-    frame::FrameError,
-    mesh::Mesh,
-    paths::PairType,
-};
+use crate::{frame::FrameError, mesh::Mesh, paths::PairType};
 
 /// How much time a relaxation may take for a better result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,4 +114,8 @@ pub fn relax(
     progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
     solver::run(mesh, positions, settings, progress)
+}
+
+pub(crate) fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

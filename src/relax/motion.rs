@@ -12,8 +12,12 @@ use super::{
 };
 
 /// Weight of the goals against the motion of one vertex.
-const HARDNESS: f64 = 1000.0;
-const PASSES: usize = 6;
+#[allow(non_snake_case)]
+fn HARDNESS() -> f64 {
+    super::knob("HARD", 1000.0)
+}
+const PASSES: usize = 4;
+const ROUNDS: usize = 4;
 const MOST_STEPS: usize = 60;
 const ACCURACY: f64 = 1e-3;
 
@@ -29,12 +33,13 @@ pub(super) struct MotionSolver {
     image: Vec<Vector3<f64>>,
     rows: Vec<f64>,
     active: Vec<bool>,
+    emphasis: Vec<f64>,
     scratch: Vec<f64>,
 }
 
 impl MotionSolver {
     /// Finds the motion; it stands in `motion` then, one vector for each vertex of the domain.
-    pub(super) fn solve(&mut self, body: &Body<'_>, stiffness: &Stiffness, goals: &Goals) {
+    pub(super) fn solve(&mut self, body: &Body<'_>, stiffness: f64, tolerated: f64, goals: &Goals) -> bool {
         let size = body.domain.vertices().len();
         for vectors in [
             &mut self.motion,
@@ -47,13 +52,43 @@ impl MotionSolver {
             vectors.clear();
             vectors.resize(size, Vector3::zeros());
         }
-        for _ in 0..PASSES {
-            stiffness.force(body, &self.motion, &mut self.rotations, &mut self.force);
-            goals.apply(body.domain, &self.motion, &mut self.rows);
-            self.active.clear();
-            self.active.extend(self.rows.iter().enumerate().map(|(goal, &reached)| reached < goals.wanted_m(goal)));
-            self.descend(body, stiffness, goals);
+        self.emphasis.clear();
+        self.emphasis.resize(body.mesh.num_edges(), 1.0);
+        for round in 0..ROUNDS {
+            let Some(factors) = Stiffness::factorise(body, stiffness, &self.emphasis) else { return false };
+            for _ in 0..PASSES {
+                factors.force(body, &self.motion, &self.emphasis, &mut self.rotations, &mut self.force);
+                goals.apply(body.domain, &self.motion, &mut self.rows);
+                self.active.clear();
+                self.active.extend(self.rows.iter().enumerate().map(|(goal, &reached)| reached < goals.wanted_m(goal)));
+                self.descend(body, &factors, goals);
+            }
+            if round + 1 == ROUNDS || !self.emphasise(body, tolerated) {
+                break;
+            }
         }
+        true
+    }
+
+    /// Makes edges stiffer that change their length too much; false if there are none.
+    fn emphasise(&mut self, body: &Body<'_>, tolerated: f64) -> bool {
+        let mut any = false;
+        let limit = tolerated.ln();
+        for &vertex in body.domain.vertices() {
+            for &edge in body.mesh.vertex_edges(vertex) {
+                let [a, b] = body.mesh.edge(edge);
+                // Each edge once.
+                if vertex == a || body.domain.local(if vertex == a { b } else { a }).is_none() {
+                    let strain = body.stretch(&self.motion, edge).ln().abs() / limit;
+                    if strain > 1.0 {
+                        any = true;
+                        self.emphasis[edge.index()] =
+                            (self.emphasis[edge.index()] * strain * strain * super::knob("EMPH", 2.0)).min(1000.0);
+                    }
+                }
+            }
+        }
+        any
     }
 
     /// Conjugate gradients on `(A + W B^T B) d = force + W B^T wanted`, from the present motion, over the acting goals.
@@ -65,7 +100,7 @@ impl MotionSolver {
         for goal in (0..goals.len()).filter(|&goal| self.active[goal]) {
             for (vertex, coefficient) in goals.row(goal) {
                 if let Some(local) = body.domain.local(*vertex) {
-                    self.residual[local] += coefficient * (HARDNESS * goals.wanted_m(goal));
+                    self.residual[local] += coefficient * (HARDNESS() * goals.wanted_m(goal));
                 }
             }
         }
@@ -78,7 +113,7 @@ impl MotionSolver {
             if product <= target || product <= 0.0 {
                 break;
             }
-            stiffness.multiply(body, &self.search, &mut self.image);
+            stiffness.multiply(body, &self.search, &self.emphasis, &mut self.image);
             self.add_goals(body, goals, true);
             let curvature = dot(&self.search, &self.image);
             if curvature <= 0.0 {
@@ -101,7 +136,7 @@ impl MotionSolver {
     }
 
     fn image_of_motion(&mut self, body: &Body<'_>, stiffness: &Stiffness, goals: &Goals) {
-        stiffness.multiply(body, &self.motion, &mut self.image);
+        stiffness.multiply(body, &self.motion, &self.emphasis, &mut self.image);
         self.add_goals(body, goals, false);
     }
 
@@ -109,11 +144,17 @@ impl MotionSolver {
     fn add_goals(&mut self, body: &Body<'_>, goals: &Goals, of_search: bool) {
         let vectors = if of_search { &self.search } else { &self.motion };
         for goal in (0..goals.len()).filter(|&goal| self.active[goal]) {
-            let here = |(vertex, coefficient): &(_, Vector3<f64>)| body.domain.local(*vertex).map(|local| (local, *coefficient));
-            let reached: f64 =
-                goals.row(goal).iter().filter_map(here).map(|(local, coefficient)| coefficient.dot(&vectors[local])).sum();
+            let here = |(vertex, coefficient): &(_, Vector3<f64>)| {
+                body.domain.local(*vertex).map(|local| (local, *coefficient))
+            };
+            let reached: f64 = goals
+                .row(goal)
+                .iter()
+                .filter_map(here)
+                .map(|(local, coefficient)| coefficient.dot(&vectors[local]))
+                .sum();
             for (local, coefficient) in goals.row(goal).iter().filter_map(here) {
-                self.image[local] += coefficient * (HARDNESS * reached);
+                self.image[local] += coefficient * (HARDNESS() * reached);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Normals that agree from face to face, whatever the winding of the input.
 
-use nalgebra::{Vector3, Unit};
+use nalgebra::Vector3;
 
 use crate::{
     correspond::MaterialPoint,
@@ -53,8 +53,7 @@ impl Orientation {
     pub(super) fn normal(&self, mesh: &Mesh, frame: &Frame, at: &MaterialPoint) -> Option<Vector3<f64>> {
         let mut sum = Vector3::zeros();
         for (&vertex, weight) in at.vertices.iter().zip(at.weights).filter(|(_, weight)| *weight > 0.0) {
-            let around: Vector3<f64> =
-                mesh.vertex_faces(vertex).iter().map(|&face| self.area(mesh, frame, face)).sum();
+            let around: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&face| self.area(mesh, frame, face)).sum();
             if let Some(unit) = around.try_normalize(0.0) {
                 sum += unit * weight;
             }

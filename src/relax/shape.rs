@@ -72,15 +72,27 @@ pub(super) struct Body<'a> {
     pub(super) memory: f64,
 }
 
+impl Body<'_> {
+    /// Length of an edge after a motion over that in the input.
+    pub(super) fn stretch(&self, motion: &[Vector3<f64>], edge: EdgeId) -> f64 {
+        let [a, b] = self.mesh.edge(edge);
+        let moved = |vertex: VertexId| {
+            let motion = self.domain.local(vertex).map_or_else(Vector3::zeros, |local| motion[local]);
+            self.frame.position(vertex) + motion
+        };
+        (moved(b) - moved(a)).norm() / self.shape.side(a, b).norm()
+    }
+}
+
 impl Stiffness {
     /// Factorises; nothing where the numbers don't allow it.
-    pub(super) fn factorise(body: &Body<'_>, stiffness: f64) -> Option<Self> {
+    pub(super) fn factorise(body: &Body<'_>, stiffness: f64, emphasis: &[f64]) -> Option<Self> {
         let size = body.domain.vertices().len();
         let mut entries = Vec::new();
         for (local, &vertex) in body.domain.vertices().iter().enumerate() {
             let mut diagonal = 1.0;
             for &edge in body.mesh.vertex_edges(vertex) {
-                let weight = stiffness * body.shape.weight(edge);
+                let weight = stiffness * body.shape.weight(edge) * emphasis[edge.index()];
                 diagonal += weight;
                 if let Some(other) = body.domain.local(body.mesh.opposite_vertex(edge, vertex))
                     && other < local
@@ -110,20 +122,33 @@ impl Stiffness {
     }
 
     /// `A v`.
-    pub(super) fn multiply(&self, body: &Body<'_>, vectors: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
+    pub(super) fn multiply(
+        &self,
+        body: &Body<'_>,
+        vectors: &[Vector3<f64>],
+        emphasis: &[f64],
+        out: &mut [Vector3<f64>],
+    ) {
         for (local, &vertex) in body.domain.vertices().iter().enumerate() {
             let mut sum = vectors[local];
             for &edge in body.mesh.vertex_edges(vertex) {
                 let other = body.domain.local(body.mesh.opposite_vertex(edge, vertex));
                 let there = other.map_or_else(Vector3::zeros, |other| vectors[other]);
-                sum += (vectors[local] - there) * (self.stiffness * body.shape.weight(edge));
+                sum += (vectors[local] - there) * (self.stiffness * body.shape.weight(edge) * emphasis[edge.index()]);
             }
             out[local] = sum;
         }
     }
 
     /// The force of the shape, at no motion, with the rotations that fit `motion`: the right-hand side.
-    pub(super) fn force(&self, body: &Body<'_>, motion: &[Vector3<f64>], rotations: &mut Vec<[Matrix3<f64>; 2]>, out: &mut [Vector3<f64>]) {
+    pub(super) fn force(
+        &self,
+        body: &Body<'_>,
+        motion: &[Vector3<f64>],
+        emphasis: &[f64],
+        rotations: &mut Vec<[Matrix3<f64>; 2]>,
+        out: &mut [Vector3<f64>],
+    ) {
         let Body { mesh, frame, shape, domain, memory } = *body;
         let moved = |vertex: VertexId| domain.local(vertex).map_or_else(Vector3::zeros, |local| motion[local]);
         rotations.clear();
@@ -147,7 +172,7 @@ impl Stiffness {
                 let wanted = (rotations[local][0] + there[0]) * now * (0.5 * (1.0 - memory))
                     + (rotations[local][1] + there[1]) * shape.side(vertex, other) * (0.5 * memory);
                 // Pulls `vertex` to where the edge to `other` has the wanted shape.
-                force += (now - wanted) * (self.stiffness * shape.weight(edge));
+                force += (now - wanted) * (self.stiffness * shape.weight(edge) * emphasis[edge.index()]);
             }
             out[local] = force;
         }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
@@ -13,19 +13,19 @@ use super::{
     guard::Guard,
     motion::MotionSolver,
     orient::Orientation,
-    shape::{Body, Shape, Stiffness},
+    shape::{Body, Shape},
 };
 use crate::{
     analysis::Analyser,
     correspond::Correspondent,
     frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::{Mesh, VertexId},
+    mesh::Mesh,
     settings::Settings,
 };
 
 const RINGS: usize = 14;
-const MEMORY: f64 = 0.1;
+
 /// Longest motion of one iteration, in mean edge lengths of the cloth round the paths.
 const LONGEST: f64 = 6.0;
 const PATIENCE: usize = 8;
@@ -35,6 +35,8 @@ const PATIENCE: usize = 8;
 struct Try {
     aim: Aim,
     stiffness: f64,
+    /// Edges that change their length by more than this factor get stiffer.
+    tolerated: f64,
 }
 
 /// One motion that is tried, with its memory.
@@ -47,6 +49,8 @@ struct Candidate {
     frame: Frame,
     positions: Vec<Point3<f64>>,
     tangles: Vec<Tangle>,
+    /// For each cluster the largest logarithm of an edge's length over that in the input.
+    strains: Vec<f64>,
     usable: bool,
 }
 
@@ -94,7 +98,9 @@ pub(super) fn run(
                 .iter()
                 .map(|pair| BlockedPath {
                     pair_type: pair.pair_type,
-                    vertex: mesh.face(analysis.paths.segments[analysis.paths.copies[pair.copies.start].segments.start].own)[0].0,
+                    vertex: mesh
+                        .face(analysis.paths.segments[analysis.paths.copies[pair.copies.start].segments.start].own)[0]
+                        .0,
                     length_m: pair.length_m,
                     reason: "none of the methods shortened it".into(),
                 })
@@ -110,7 +116,13 @@ pub(super) fn run(
         }
         let seeds = || candidates[..tries.len()].iter().flat_map(|candidate| candidate.goals.vertices());
         domain.grow(mesh, seeds(), RINGS);
-        let body = Body { mesh, frame: &frame, shape: &shape, domain: &domain, memory: if history.is_empty() { 0.0 } else { MEMORY } };
+        let body = Body {
+            mesh,
+            frame: &frame,
+            shape: &shape,
+            domain: &domain,
+            memory: if history.is_empty() { 0.0 } else { super::knob("MEM", 0.5) },
+        };
         let mut edge = 0.0;
         let mut count = 0.0f64;
         for segment in &analysis.paths.segments {
@@ -121,20 +133,29 @@ pub(super) fn run(
         let longest = LONGEST * edge / count.max(1.0);
         candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
             candidate.usable = false;
-            let Some(stiffness) = Stiffness::factorise(&body, attempt.stiffness) else { return };
-            candidate.solver.solve(&body, &stiffness, &candidate.goals);
+            if !candidate.solver.solve(&body, attempt.stiffness, attempt.tolerated, &candidate.goals) {
+                return;
+            }
             candidate.limit(&body, &clusters, longest);
             candidate.place(&body, &clusters, &guard, settings.single_precision);
             candidate.detect(mesh, &clusters);
+            candidate.measure_strain(&body, &clusters, &guard);
         });
         // For each cluster the best candidate.
         let mut choice: Vec<Option<usize>> = vec![None; clusters.len() + 1];
         for cluster in 0..=clusters.len() {
             let mut best_merit = if impatience == 0 { now[cluster].merit() } else { f64::INFINITY };
-            for (index, candidate) in candidates[..tries.len()].iter().enumerate().filter(|(_, candidate)| candidate.usable) {
+            let mut best_strain = f64::INFINITY;
+            for (index, candidate) in
+                candidates[..tries.len()].iter().enumerate().filter(|(_, candidate)| candidate.usable)
+            {
                 let merit = candidate.tangles[cluster].merit();
-                if merit < best_merit {
+                let strain = candidate.strains[cluster];
+                if merit < best_merit
+                    || (merit <= best_merit && merit <= 0.0 && strain < best_strain && choice[cluster].is_some())
+                {
                     best_merit = merit;
+                    best_strain = strain;
                     choice[cluster] = Some(index);
                 }
             }
@@ -147,8 +168,28 @@ pub(super) fn run(
             }
         }
         if verbose {
-            let merits: Vec<String> = candidates[..tries.len()].iter().zip(&tries).map(|(c, t)| format!("{:?}/{}: {} {:.1}", t.aim, t.stiffness, c.found.edge_face.len(), c.tangles.iter().map(Tangle::merit).sum::<f64>())).collect();
-            eprintln!("iteration {} ef {} merit {merit:.2} impatience {impatience} clusters {} goals {} domain {} {merits:?} {:?}", history.len(), analysis.intersections.edge_face.len(), clusters.len(), candidates[0].goals.len(), domain.vertices().len(), choice);
+            let merits: Vec<String> = candidates[..tries.len()]
+                .iter()
+                .zip(&tries)
+                .map(|(c, t)| {
+                    format!(
+                        "{:?}/{}: {} {:.1}",
+                        t.aim,
+                        t.stiffness,
+                        c.found.edge_face.len(),
+                        c.tangles.iter().map(Tangle::merit).sum::<f64>()
+                    )
+                })
+                .collect();
+            eprintln!(
+                "iteration {} ef {} merit {merit:.2} impatience {impatience} clusters {} goals {} domain {} {merits:?} {:?}",
+                history.len(),
+                analysis.intersections.edge_face.len(),
+                clusters.len(),
+                candidates[0].goals.len(),
+                domain.vertices().len(),
+                choice
+            );
         }
         frame.set(mesh, composed.iter().map(|p| [p.x, p.y, p.z]))?;
         let mut tally = [0usize; 3];
@@ -173,7 +214,11 @@ pub(super) fn run(
     }
     let positions = if blocked.is_empty() { frame.positions() } else { &best.1[..] };
     Ok(Relaxation {
-        positions: if history.is_empty() { positions_of_input(positions, frame.positions()) } else { positions.iter().map(|p| [p.x, p.y, p.z]).collect() },
+        positions: if history.is_empty() {
+            positions_of_input(positions, frame.positions())
+        } else {
+            positions.iter().map(|p| [p.x, p.y, p.z]).collect()
+        },
         history,
         blocked,
         interrupted,
@@ -193,7 +238,9 @@ fn tries(quality: Quality, impatience: usize) -> Vec<Try> {
     let aims: &[Aim] = if impatience == 0 { &[Aim::Normal] } else { &[Aim::Normal, Aim::Target, Aim::Shorten] };
     for &aim in aims {
         for &stiffness in stiffnesses {
-            tries.push(Try { aim, stiffness });
+            for tolerated in [f64::INFINITY, super::knob("TOL", 1.08)] {
+                tries.push(Try { aim, stiffness, tolerated });
+            }
         }
     }
     tries
@@ -235,8 +282,16 @@ impl Candidate {
             let mut refused = vec![false; clusters.len() + 1];
             for &vertex in body.domain.vertices() {
                 let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-                refused[cluster] |= body.mesh.vertex_faces(vertex).iter().any(|&face| guard.refuses_face(body.mesh, before, &self.positions, face))
-                    || body.mesh.vertex_edges(vertex).iter().any(|&edge| guard.refuses_edge(body.mesh, before, &self.positions, edge));
+                refused[cluster] |= body
+                    .mesh
+                    .vertex_faces(vertex)
+                    .iter()
+                    .any(|&face| guard.refuses_face(body.mesh, before, &self.positions, face))
+                    || body
+                        .mesh
+                        .vertex_edges(vertex)
+                        .iter()
+                        .any(|&edge| guard.refuses_edge(body.mesh, before, &self.positions, edge));
             }
             let mut any = false;
             for (scale, refused) in scale.iter_mut().zip(refused) {
@@ -247,6 +302,17 @@ impl Candidate {
             }
             if !any {
                 break;
+            }
+        }
+    }
+
+    fn measure_strain(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard) {
+        self.strains.clear();
+        self.strains.resize(clusters.len() + 1, 0.0);
+        for &vertex in body.domain.vertices() {
+            let strain = &mut self.strains[clusters.of(vertex).unwrap_or(clusters.len())];
+            for &edge in body.mesh.vertex_edges(vertex) {
+                *strain = strain.max(guard.stretch(body.mesh, &self.positions, edge).ln().abs());
             }
         }
     }
