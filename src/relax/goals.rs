@@ -176,6 +176,15 @@ impl Goals {
         }
     }
 
+    /// Wants two points that are apart to stay apart.
+    pub(super) fn keep_apart(&mut self, frame: &Frame, own: &MaterialPoint, partner: &MaterialPoint, gap_m: f64) {
+        let apart = own.position(frame) - partner.position(frame);
+        let length = apart.norm();
+        if length > 0.0 {
+            self.push_pair(own, partner, apart / length, gap_m.min(0.5 * length) - length, usize::MAX);
+        }
+    }
+
     fn push_pair(
         &mut self,
         own: &MaterialPoint,

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     analysis::Analyser,
-    correspond::Correspondent,
+    correspond::{Correspondent, MaterialPoint},
     frame::Frame,
     intersect::{Intersections, Intersector},
     mesh::Mesh,
@@ -29,6 +29,8 @@ const RINGS: usize = 14;
 /// Longest motion of one iteration, in mean edge lengths of the cloth round the paths.
 const LONGEST: f64 = 6.0;
 const PATIENCE: usize = 8;
+/// How often a motion is found again, with what it ran into as obstacles.
+const CONTACT_ROUNDS: usize = 2;
 
 /// A way to make a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +76,7 @@ pub(super) fn run(
     let mut history = Vec::new();
     let mut best: (f64, Vec<Point3<f64>>) = (f64::INFINITY, frame.positions().to_vec());
     let mut impatience = 0;
+    let mut stuck = false;
     let mut interrupted = false;
     let mut blocked = Vec::new();
     loop {
@@ -109,7 +112,7 @@ pub(super) fn run(
         }
         let found = correspondent.find(mesh, &frame, analysis, &analysis_settings);
         let scene = Scene { mesh, frame: &frame, analysis, found, orientation: &orientation };
-        let tries: Vec<Try> = tries(settings.quality, impatience);
+        let tries: Vec<Try> = tries(settings.quality, impatience > 0 || stuck);
         candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
         for (candidate, attempt) in candidates.iter_mut().zip(&tries) {
             candidate.goals.collect(&scene, |_| attempt.aim);
@@ -130,15 +133,30 @@ pub(super) fn run(
             edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
             count += 3.0;
         }
+        // Where the sheets are to pass through each other.
+        let mut spared = vec![false; mesh.num_vertices()];
+        for segment in &analysis.intersections.segments {
+            for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
+                spared[vertex.index()] = true;
+            }
+        }
+        for vertex in &analysis.regions.vertices {
+            spared[vertex.index()] = true;
+        }
         let longest = LONGEST * edge / count.max(1.0);
         candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
             candidate.usable = false;
-            if !candidate.solver.solve(&body, attempt.stiffness, attempt.tolerated, &candidate.goals) {
-                return;
+            for round in 0..=CONTACT_ROUNDS {
+                if !candidate.solver.solve(&body, attempt.stiffness, attempt.tolerated, &candidate.goals) {
+                    return;
+                }
+                candidate.limit(&body, &clusters, longest);
+                candidate.place(&body, &clusters, &guard, settings.single_precision);
+                candidate.detect(mesh, &clusters);
+                if round == CONTACT_ROUNDS || !candidate.usable || !candidate.add_contacts(&scene, &spared) {
+                    break;
+                }
             }
-            candidate.limit(&body, &clusters, longest);
-            candidate.place(&body, &clusters, &guard, settings.single_precision);
-            candidate.detect(mesh, &clusters);
             candidate.measure_strain(&body, &clusters, &guard);
         });
         // For each cluster the best candidate.
@@ -160,6 +178,7 @@ pub(super) fn run(
                 }
             }
         }
+        stuck = (0..=clusters.len()).any(|cluster| now[cluster].merit() > 0.0 && choice[cluster].is_none());
         let mut composed = frame.positions().to_vec();
         for &vertex in domain.vertices() {
             let cluster = clusters.of(vertex).unwrap_or(clusters.len());
@@ -229,13 +248,13 @@ fn positions_of_input(_: &[Point3<f64>], input: &[Point3<f64>]) -> Vec<[f64; 3]>
     input.iter().map(|p| [p.x, p.y, p.z]).collect()
 }
 
-fn tries(quality: Quality, impatience: usize) -> Vec<Try> {
+fn tries(quality: Quality, widen: bool) -> Vec<Try> {
     let stiffnesses: &[f64] = match quality {
         Quality::Fast => &[16.0],
         _ => &[1.0, 16.0, 256.0],
     };
     let mut tries = Vec::new();
-    let aims: &[Aim] = if impatience == 0 { &[Aim::Normal] } else { &[Aim::Normal, Aim::Target, Aim::Shorten] };
+    let aims: &[Aim] = if !widen { &[Aim::Normal] } else { &[Aim::Normal, Aim::Target, Aim::Shorten] };
     for &aim in aims {
         for &stiffness in stiffnesses {
             for tolerated in [f64::INFINITY, super::knob("TOL", 1.08)] {
@@ -304,6 +323,32 @@ impl Candidate {
                 break;
             }
         }
+    }
+
+    /// Adds goals for what this motion ran into; false if there is nothing new.
+    fn add_contacts(&mut self, scene: &Scene<'_>, spared: &[bool]) -> bool {
+        let before = self.goals.len();
+        let Scene { mesh, frame, analysis, .. } = *scene;
+        for found in &self.found.edge_face {
+            let known = analysis
+                .intersections
+                .edge_face
+                .binary_search_by(|other| (other.edge, other.face).cmp(&(found.edge, found.face)))
+                .is_ok();
+            let (ends, corners) = (mesh.edge(found.edge), mesh.face(found.face));
+            let is_spared = |vertices: &[crate::mesh::VertexId]| vertices.iter().any(|vertex| spared[vertex.index()]);
+            if known || (is_spared(&ends) && is_spared(&corners)) {
+                continue;
+            }
+            let own = MaterialPoint {
+                vertices: [ends[0], ends[1], ends[1]],
+                weights: [1.0 - found.edge_parameter, found.edge_parameter, 0.0],
+            };
+            let partner = MaterialPoint { vertices: corners, weights: found.barycentric };
+            let edge = (frame.position(ends[1]) - frame.position(ends[0])).norm();
+            self.goals.keep_apart(frame, &own, &partner, 0.3 * edge);
+        }
+        self.goals.len() > before
     }
 
     fn measure_strain(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard) {
