@@ -3,9 +3,13 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::{
+    ffi::OsStr,
     fs,
     io::Write,
-    os::unix::fs::{PermissionsExt, symlink},
+    os::unix::{
+        ffi::OsStrExt,
+        fs::{PermissionsExt, symlink},
+    },
     path::Path,
     process::{Command, Output, Stdio},
 };
@@ -314,6 +318,24 @@ fn the_report_has_every_field_of_the_contract() {
     let lines = fix(&["square.obj", "spike.obj", "-o", "lines.obj"], path);
     let lines = String::from_utf8(lines.stdout).unwrap();
     assert!(lines.starts_with("square.obj, spike.obj -> lines.obj\n"), "{lines}");
+}
+
+#[test]
+fn names_need_not_be_text() {
+    let folder = folder();
+    let name = OsStr::from_bytes(b"caf\xe9.obj");
+    fs::copy(folder.path().join("square.obj"), folder.path().join(name)).unwrap();
+    fs::create_dir(folder.path().join("out")).unwrap();
+    for subcommand in ["check", "fix"] {
+        let mut command = command(subcommand, folder.path());
+        command.arg(name).arg("--json");
+        if subcommand == "fix" {
+            command.args(["-o", "out"]);
+        }
+        let output = command.output().unwrap();
+        assert_eq!((code(&output), &json(&output)["files"]), (0, &serde_json::json!(["caf\u{fffd}.obj"])));
+    }
+    assert_eq!(fs::read(folder.path().join("out").join(name)).unwrap(), SQUARE.as_bytes());
 }
 
 #[test]

@@ -212,6 +212,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         Repaired { written: repair.write(&input.positions)?, history: Vec::new(), blocked: Vec::new() }
     } else {
         check_movable(&jobs, &input)?;
+        progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
     let Repaired { written, history, blocked } = repaired;

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use crate::{
@@ -109,6 +109,11 @@ pub(super) fn count_path_pairs(analysis: &Analysis) -> BTreeMap<PairType, usize>
 /// The name of a type or method, as in JSON.
 pub(super) fn name_of(value: impl Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// Serialises paths as text. Names that are none are shown as well as they can be: JSON has no bytes.
+pub(super) fn paths_as_text<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// Whether two names, however spelt or linked, are one existing file.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::{
     analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of},
+    cli::input::{Counted, count_path_pairs, name_of, paths_as_text},
     mesh::Mesh,
     paths::{ChainEnd, PairType, PathType},
 };
@@ -22,6 +22,7 @@ pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
     /// Files, as they were named.
+    #[serde(serialize_with = "paths_as_text")]
     pub files: Vec<PathBuf>,
     /// Vertices of all files, unused ones included.
     pub num_vertices: usize,

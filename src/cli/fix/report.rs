@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::distortion::Distortion;
 use crate::{
     analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of},
+    cli::input::{Counted, count_path_pairs, name_of, paths_as_text},
     paths::PairType,
     relax::{BlockedPath, Iteration},
 };
@@ -22,8 +22,10 @@ pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
     /// Inputs, as they were named.
+    #[serde(serialize_with = "paths_as_text")]
     pub files: Vec<PathBuf>,
     /// What was written.
+    #[serde(serialize_with = "paths_as_text")]
     pub outputs: Vec<PathBuf>,
     /// Whether an exact check of what was written, read back, found no intersection.
     pub clean: bool,
