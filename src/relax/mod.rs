@@ -1,5 +1,6 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod candidate;
 mod clusters;
 mod domain;
 mod goals;
@@ -56,6 +57,8 @@ pub enum Method {
     Push,
     /// Down the gradient of the path length.
     Contour,
+    /// Back towards the shape of the input, with nothing left to resolve.
+    Settle,
 }
 
 /// The state after an iteration.
@@ -113,9 +116,5 @@ pub fn relax(
     settings: &RelaxSettings,
     progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    solver::run(mesh, positions, settings, progress)
-}
-
-pub(crate) fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
+    solver::Relaxer::new(mesh, positions, settings)?.run(progress)
 }

@@ -12,11 +12,8 @@ use super::{
 };
 
 /// Weight of the goals against the motion of one vertex.
-#[allow(non_snake_case)]
-fn HARDNESS() -> f64 {
-    super::knob("HARD", 1000.0)
-}
-const PASSES: usize = 4;
+const HARDNESS: f64 = 1000.0;
+const PASSES: usize = 12;
 const ROUNDS: usize = 4;
 const MOST_STEPS: usize = 60;
 const ACCURACY: f64 = 1e-3;
@@ -82,8 +79,7 @@ impl MotionSolver {
                     let strain = body.stretch(&self.motion, edge).ln().abs() / limit;
                     if strain > 1.0 {
                         any = true;
-                        self.emphasis[edge.index()] =
-                            (self.emphasis[edge.index()] * strain * strain * super::knob("EMPH", 2.0)).min(1000.0);
+                        self.emphasis[edge.index()] = (self.emphasis[edge.index()] * strain * strain * 2.0).min(1000.0);
                     }
                 }
             }
@@ -100,7 +96,7 @@ impl MotionSolver {
         for goal in (0..goals.len()).filter(|&goal| self.active[goal]) {
             for (vertex, coefficient) in goals.row(goal) {
                 if let Some(local) = body.domain.local(*vertex) {
-                    self.residual[local] += coefficient * (HARDNESS() * goals.wanted_m(goal));
+                    self.residual[local] += coefficient * (HARDNESS * goals.wanted_m(goal));
                 }
             }
         }
@@ -154,7 +150,7 @@ impl MotionSolver {
                 .map(|(local, coefficient)| coefficient.dot(&vectors[local]))
                 .sum();
             for (local, coefficient) in goals.row(goal).iter().filter_map(here) {
-                self.image[local] += coefficient * (HARDNESS() * reached);
+                self.image[local] += coefficient * (HARDNESS * reached);
             }
         }
     }

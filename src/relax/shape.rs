@@ -50,6 +50,11 @@ impl Shape {
         self.weights[edge.index()]
     }
 
+    /// A position in the input.
+    pub(super) fn position(&self, vertex: VertexId) -> Point3<f64> {
+        self.positions[vertex.index()]
+    }
+
     fn side(&self, from: VertexId, to: VertexId) -> Vector3<f64> {
         self.positions[to.index()] - self.positions[from.index()]
     }

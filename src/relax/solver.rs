@@ -7,366 +7,361 @@ use rayon::prelude::*;
 
 use super::{
     BlockedPath, Iteration, Method, Quality, RelaxError, RelaxSettings, Relaxation,
+    candidate::{Candidate, Trial, Try, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
     goals::{Aim, Goals, Scene},
     guard::Guard,
-    motion::MotionSolver,
     orient::Orientation,
     shape::{Body, Shape},
 };
 use crate::{
-    analysis::Analyser,
-    correspond::{Correspondent, MaterialPoint},
+    analysis::{Analyser, Analysis},
+    correspond::Correspondent,
     frame::Frame,
-    intersect::{Intersections, Intersector},
     mesh::Mesh,
-    settings::Settings,
+    settings::{InsideChoice, Settings},
 };
 
+/// Rings round the goals that may move.
 const RINGS: usize = 14;
-
-/// Longest motion of one iteration, in mean edge lengths of the cloth round the paths.
-const LONGEST: f64 = 6.0;
+/// From the second iteration on, edges are drawn this far towards their shape in the input.
+const MEMORY: f64 = 0.3;
+/// Gives up after so many iterations without a better state.
 const PATIENCE: usize = 8;
-/// How often a motion is found again, with what it ran into as obstacles.
-const CONTACT_ROUNDS: usize = 2;
+/// Motions of one iteration stiffen edges that change their length by more than this factor, in the careful kind of motion.
+const TOLERATED: f64 = 1.08;
+/// Iterations that bring back the shape once nothing intersects any more.
+const SETTLINGS: usize = 4;
+/// Gap that is kept while the shape comes back, in mean edge lengths.
+const SETTLED_GAP: f64 = 0.2;
+/// Strains below this logarithm are left alone.
+const SMALL_STRAIN: f64 = 0.05;
 
-/// A way to make a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Try {
-    aim: Aim,
-    stiffness: f64,
-    /// Edges that change their length by more than this factor get stiffer.
-    tolerated: f64,
-}
-
-/// One motion that is tried, with its memory.
-#[derive(Default)]
-struct Candidate {
-    goals: Goals,
-    solver: MotionSolver,
-    intersector: Intersector,
-    found: Intersections,
+/// One relaxation under way.
+pub(super) struct Relaxer<'a> {
+    mesh: &'a Mesh,
+    settings: &'a RelaxSettings,
+    analysis_settings: Settings,
     frame: Frame,
-    positions: Vec<Point3<f64>>,
-    tangles: Vec<Tangle>,
-    /// For each cluster the largest logarithm of an edge's length over that in the input.
-    strains: Vec<f64>,
-    usable: bool,
+    shape: Shape,
+    guard: Guard,
+    orientation: Orientation,
+    analyser: Analyser,
+    correspondent: Correspondent,
+    clusters: Clusters,
+    domain: Domain,
+    candidates: Vec<Candidate>,
+    spared: Vec<bool>,
+    now: Vec<Tangle>,
+    /// What was parted so far, and is to stay apart.
+    parted: Goals,
+    /// The clusters of the first state, which say what moves together while the shape comes back.
+    first_clusters: Clusters,
+    edge_length_m: f64,
+    history: Vec<Iteration>,
 }
 
-pub(super) fn run(
-    mesh: &Mesh,
-    positions: &[[f64; 3]],
-    settings: &RelaxSettings,
-    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-) -> Result<Relaxation, RelaxError> {
-    let mut frame = Frame::new(mesh, positions)?;
-    let verbose = std::env::var("RELAX_VERBOSE").is_ok();
-    let mut analyser = Analyser::default();
-    let analysis_settings = Settings::default();
-    let mut correspondent = Correspondent::default();
-    let orientation = Orientation::of(mesh);
-    let shape = Shape::of(mesh, &frame);
-    let guard = Guard::of(mesh, &frame);
-    let mut clusters = Clusters::default();
-    let mut domain = Domain::default();
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut history = Vec::new();
-    let mut best: (f64, Vec<Point3<f64>>) = (f64::INFINITY, frame.positions().to_vec());
-    let mut impatience = 0;
-    let mut stuck = false;
-    let mut interrupted = false;
-    let mut blocked = Vec::new();
-    loop {
-        let analysis = analyser.analyse(mesh, &frame, &analysis_settings, &mut ());
-        clusters.find(mesh, analysis, RINGS);
-        let mut now = Vec::new();
-        measure(mesh, &frame, &analysis.intersections, &clusters, &mut now);
-        let merit: f64 = now.iter().map(Tangle::merit).sum();
-        if merit < best.0 {
-            best = (merit, frame.positions().to_vec());
-            impatience = 0;
-        } else {
-            impatience += 1;
-        }
-        if merit <= 0.0 && analysis.intersections.edge_face.is_empty() {
-            break;
-        }
-        if history.len() >= settings.max_iterations || impatience > PATIENCE {
-            blocked = analysis
-                .paths
-                .pairs
-                .iter()
-                .map(|pair| BlockedPath {
-                    pair_type: pair.pair_type,
-                    vertex: mesh
-                        .face(analysis.paths.segments[analysis.paths.copies[pair.copies.start].segments.start].own)[0]
-                        .0,
-                    length_m: pair.length_m,
-                    reason: "none of the methods shortened it".into(),
-                })
-                .collect();
-            break;
-        }
-        let found = correspondent.find(mesh, &frame, analysis, &analysis_settings);
-        let scene = Scene { mesh, frame: &frame, analysis, found, orientation: &orientation };
-        let tries: Vec<Try> = tries(settings.quality, impatience > 0 || stuck);
-        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
-        for (candidate, attempt) in candidates.iter_mut().zip(&tries) {
-            candidate.goals.collect(&scene, |_| attempt.aim);
-        }
-        let seeds = || candidates[..tries.len()].iter().flat_map(|candidate| candidate.goals.vertices());
-        domain.grow(mesh, seeds(), RINGS);
-        let body = Body {
+impl<'a> Relaxer<'a> {
+    pub(super) fn new(mesh: &'a Mesh, positions: &[[f64; 3]], settings: &'a RelaxSettings) -> Result<Self, RelaxError> {
+        let frame = Frame::new(mesh, positions)?;
+        Ok(Self {
             mesh,
-            frame: &frame,
-            shape: &shape,
-            domain: &domain,
-            memory: if history.is_empty() { 0.0 } else { super::knob("MEM", 0.5) },
-        };
-        let mut edge = 0.0;
-        let mut count = 0.0f64;
-        for segment in &analysis.paths.segments {
-            let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));
-            edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-            count += 3.0;
-        }
-        // Where the sheets are to pass through each other.
-        let mut spared = vec![false; mesh.num_vertices()];
-        for segment in &analysis.intersections.segments {
-            for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
-                spared[vertex.index()] = true;
+            settings,
+            analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
+            shape: Shape::of(mesh, &frame),
+            guard: Guard::of(mesh, &frame),
+            orientation: Orientation::of(mesh),
+            frame,
+            analyser: Analyser::default(),
+            correspondent: Correspondent::default(),
+            clusters: Clusters::default(),
+            domain: Domain::default(),
+            candidates: Vec::new(),
+            spared: Vec::new(),
+            now: Vec::new(),
+            parted: Goals::default(),
+            first_clusters: Clusters::default(),
+            edge_length_m: 0.0,
+            history: Vec::new(),
+        })
+    }
+
+    pub(super) fn run(
+        mut self,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<Relaxation, RelaxError> {
+        let mut best = (f64::INFINITY, Vec::new());
+        let mut impatience = 0;
+        let mut widen = false;
+        let mut interrupted = false;
+        let blocked = loop {
+            let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+            if analysis.intersections.edge_face.is_empty() {
+                break Vec::new();
             }
-        }
-        for vertex in &analysis.regions.vertices {
-            spared[vertex.index()] = true;
-        }
-        let longest = LONGEST * edge / count.max(1.0);
-        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
-            candidate.usable = false;
-            for round in 0..=CONTACT_ROUNDS {
-                if !candidate.solver.solve(&body, attempt.stiffness, attempt.tolerated, &candidate.goals) {
-                    return;
+            self.clusters.find(self.mesh, analysis, 2 * RINGS);
+            measure(self.mesh, &self.frame, &analysis.intersections, &self.clusters, &mut self.now);
+            let merit = total(&self.now).merit();
+            if merit < best.0 {
+                best = (merit, self.frame.positions().to_vec());
+                impatience = 0;
+            } else {
+                impatience += 1;
+            }
+            let reason = if interrupted {
+                "the work was interrupted"
+            } else if self.history.len() >= self.settings.max_iterations {
+                "the largest number of iterations was reached"
+            } else if impatience > PATIENCE {
+                "no motion left it shorter without crushing or overstretching the cloth"
+            } else {
+                ""
+            };
+            if !reason.is_empty() {
+                let best_frame = best.1;
+                self.set_frame(&best_frame)?;
+                let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+                break blocked_paths(self.mesh, analysis, reason);
+            }
+            if self.history.is_empty() {
+                self.first_clusters.find(self.mesh, analysis, usize::MAX / 2);
+            }
+            let (method, stuck) = self.iterate(impatience, widen || impatience > 0)?;
+            widen = stuck;
+            interrupted = self.report(method, progress)?.is_break();
+        };
+        if blocked.is_empty() && !interrupted {
+            for _ in 0..SETTLINGS {
+                if self.history.is_empty() || !self.settle()? {
+                    break;
                 }
-                candidate.limit(&body, &clusters, longest);
-                candidate.place(&body, &clusters, &guard, settings.single_precision);
-                candidate.detect(mesh, &clusters);
-                if round == CONTACT_ROUNDS || !candidate.usable || !candidate.add_contacts(&scene, &spared) {
+                if self.report(Method::Settle, progress)?.is_break() {
+                    interrupted = true;
                     break;
                 }
             }
-            candidate.measure_strain(&body, &clusters, &guard);
-        });
-        // For each cluster the best candidate.
-        let mut choice: Vec<Option<usize>> = vec![None; clusters.len() + 1];
-        for cluster in 0..=clusters.len() {
-            let mut best_merit = if impatience == 0 { now[cluster].merit() } else { f64::INFINITY };
-            let mut best_strain = f64::INFINITY;
-            for (index, candidate) in
-                candidates[..tries.len()].iter().enumerate().filter(|(_, candidate)| candidate.usable)
-            {
-                let merit = candidate.tangles[cluster].merit();
-                let strain = candidate.strains[cluster];
-                if merit < best_merit
-                    || (merit <= best_merit && merit <= 0.0 && strain < best_strain && choice[cluster].is_some())
-                {
-                    best_merit = merit;
-                    best_strain = strain;
-                    choice[cluster] = Some(index);
-                }
-            }
         }
-        stuck = (0..=clusters.len()).any(|cluster| now[cluster].merit() > 0.0 && choice[cluster].is_none());
-        let mut composed = frame.positions().to_vec();
-        for &vertex in domain.vertices() {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            if let Some(index) = choice[cluster] {
-                composed[vertex.index()] = candidates[index].positions[vertex.index()];
-            }
-        }
-        if verbose {
-            let merits: Vec<String> = candidates[..tries.len()]
-                .iter()
-                .zip(&tries)
-                .map(|(c, t)| {
-                    format!(
-                        "{:?}/{}: {} {:.1}",
-                        t.aim,
-                        t.stiffness,
-                        c.found.edge_face.len(),
-                        c.tangles.iter().map(Tangle::merit).sum::<f64>()
-                    )
-                })
-                .collect();
-            eprintln!(
-                "iteration {} ef {} merit {merit:.2} impatience {impatience} clusters {} goals {} domain {} {merits:?} {:?}",
-                history.len(),
-                analysis.intersections.edge_face.len(),
-                clusters.len(),
-                candidates[0].goals.len(),
-                domain.vertices().len(),
-                choice
-            );
-        }
-        frame.set(mesh, composed.iter().map(|p| [p.x, p.y, p.z]))?;
-        let mut tally = [0usize; 3];
-        for index in choice.iter().flatten() {
-            tally[tries[*index].aim as usize] += 1;
-        }
-        let method = match tally.iter().enumerate().max_by_key(|(_, n)| **n).map(|(k, _)| k) {
-            Some(0) => Method::Push,
-            Some(1) => Method::Rbf,
-            _ => Method::Contour,
-        };
+        let positions = self.frame.positions().iter().map(|point| (*point).into()).collect();
+        Ok(Relaxation { positions, history: self.history, blocked, interrupted })
+    }
+
+    fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
+        Ok(self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?)
+    }
+
+    /// Notes the state after an iteration.
+    fn report(
+        &mut self,
+        method: Method,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, RelaxError> {
+        let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
         let iteration = Iteration {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
-            path_length_m: now.iter().map(|tangle| tangle.length_m).sum(),
+            path_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
             method,
         };
-        history.push(iteration);
-        if progress(&iteration).is_break() {
-            interrupted = true;
-            break;
+        self.history.push(iteration);
+        Ok(progress(&iteration))
+    }
+
+    /// Makes the motions of one iteration and takes the best of them, cluster by cluster. Returns the method that helped most, and
+    /// whether some cluster was left as it was.
+    fn iterate(&mut self, impatience: usize, widen: bool) -> Result<(Method, bool), RelaxError> {
+        let Self { mesh, frame, clusters, domain, candidates, now, .. } = self;
+        let analysis = self.analyser.last();
+        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
+        let scene = Scene { mesh, frame, analysis, found, orientation: &self.orientation };
+        let tries = tries(self.settings.quality, widen);
+        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
+        let candidates = &mut candidates[..tries.len()];
+        for (candidate, attempt) in candidates.iter_mut().zip(&tries) {
+            candidate.goals.collect(&scene, attempt.aim);
+        }
+        domain.grow(mesh, candidates.iter().flat_map(|candidate| candidate.goals.vertices()), RINGS);
+        spare(mesh, analysis, &mut self.spared);
+        self.edge_length_m = edge_length_m(mesh, frame, analysis);
+        let memory = if self.history.is_empty() { 0.0 } else { MEMORY };
+        let trial = Trial {
+            scene,
+            body: Body { mesh, frame, shape: &self.shape, domain, memory },
+            clusters,
+            guard: &self.guard,
+            spared: &self.spared,
+            now,
+            edge_length_m: self.edge_length_m,
+            single_precision: self.settings.single_precision,
+        };
+        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| candidate.attempt(&trial, *attempt));
+        let choice: Vec<Option<usize>> =
+            (0..=clusters.len()).map(|cluster| choose(candidates, now, cluster, impatience > 0)).collect();
+        let stuck = choice.iter().zip(now.iter()).any(|(choice, now)| choice.is_none() && !now.is_none());
+        let mut positions = frame.positions().to_vec();
+        for &vertex in domain.vertices() {
+            if let Some(index) = choice[clusters.of(vertex).unwrap_or(clusters.len())] {
+                positions[vertex.index()] = candidates[index].best.positions[vertex.index()];
+            }
+        }
+        let mut gains = [0.0; 3];
+        for (cluster, index) in choice.iter().enumerate() {
+            if let Some(index) = *index {
+                let aim = tries[index].aim as usize;
+                gains[aim] += now[cluster].merit() - candidates[index].best.tangles[cluster].merit();
+            }
+        }
+        self.frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
+        for index in choice.iter().flatten().copied().collect::<std::collections::BTreeSet<_>>() {
+            self.parted.hold(&candidates[index].goals, &self.frame);
+        }
+        let most = (1..3).fold(0, |best, aim| if gains[aim] > gains[best] { aim } else { best });
+        Ok(([Method::Push, Method::Rbf, Method::Contour][most], stuck))
+    }
+
+    /// Brings back some of the input's shape, with what was parted held apart. False if that was not possible, or not needed.
+    fn settle(&mut self) -> Result<bool, RelaxError> {
+        let Self { mesh, frame, domain, candidates, .. } = self;
+        let mesh = *mesh;
+        let clusters = &self.first_clusters;
+        let moved = mesh.vertex_ids().filter(|&vertex| self.shape.position(vertex) != frame.position(vertex));
+        domain.grow(mesh, moved, 2);
+        let mut strains = vec![0.0f64; clusters.len() + 1];
+        for &vertex in domain.vertices() {
+            let strain = &mut strains[clusters.of(vertex).unwrap_or(clusters.len())];
+            for &edge in mesh.vertex_edges(vertex) {
+                *strain = strain.max(self.guard.stretch(mesh, frame.positions(), edge).ln().abs());
+            }
+        }
+        if strains.iter().all(|&strain| strain < SMALL_STRAIN) {
+            return Ok(false);
+        }
+        let analysis = self.analyser.last();
+        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
+        self.spared.clear();
+        self.spared.resize(mesh.num_vertices(), false);
+        self.now.clear();
+        self.now.resize(clusters.len() + 1, Tangle::default());
+        let trial = Trial {
+            scene: Scene { mesh, frame, analysis, found, orientation: &self.orientation },
+            body: Body { mesh, frame, shape: &self.shape, domain, memory: 1.0 },
+            clusters,
+            guard: &self.guard,
+            spared: &self.spared,
+            now: &self.now,
+            edge_length_m: self.edge_length_m,
+            single_precision: self.settings.single_precision,
+        };
+        let tries = [16.0, 256.0].map(|stiffness| Try { aim: Aim::Normal, stiffness, tolerated: TOLERATED });
+        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
+        let candidates = &mut candidates[..tries.len()];
+        let parted = &self.parted;
+        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
+            candidate.goals.clear();
+            candidate.goals.hold(parted, frame);
+            candidate.goals.stay_apart(frame, SETTLED_GAP * trial.edge_length_m);
+            candidate.attempt(&trial, *attempt);
+        });
+        let mut positions = frame.positions().to_vec();
+        let choice: Vec<Option<usize>> = (0..=clusters.len())
+            .map(|cluster| {
+                let mut best = (0.98 * strains[cluster], None);
+                for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
+                    let state = &candidate.best;
+                    if state.tangles[cluster].is_none() && state.strains[cluster] < best.0 {
+                        best = (state.strains[cluster], Some(index));
+                    }
+                }
+                best.1
+            })
+            .collect();
+        for &vertex in domain.vertices() {
+            if let Some(index) = choice[clusters.of(vertex).unwrap_or(clusters.len())] {
+                positions[vertex.index()] = candidates[index].best.positions[vertex.index()];
+            }
+        }
+        let before = frame.positions().to_vec();
+        self.set_frame(&positions)?;
+        let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+        if analysis.intersections.edge_face.is_empty() {
+            return Ok(choice.iter().any(Option::is_some));
+        }
+        // Clusters that moved differently met at their borders.
+        self.set_frame(&before)?;
+        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+        Ok(false)
+    }
+}
+
+/// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
+/// none is better than staying, unless something must change.
+fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change: bool) -> Option<usize> {
+    let must_change = must_change && !now[cluster].is_none();
+    let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
+        let (merit, strain) = (candidate.best.tangles[cluster].merit(), candidate.best.strains[cluster]);
+        let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
+        if merit < best.0 || (merit <= best.0 && calmer) {
+            best = (merit, strain, Some(index));
         }
     }
-    let positions = if blocked.is_empty() { frame.positions() } else { &best.1[..] };
-    Ok(Relaxation {
-        positions: if history.is_empty() {
-            positions_of_input(positions, frame.positions())
-        } else {
-            positions.iter().map(|p| [p.x, p.y, p.z]).collect()
-        },
-        history,
-        blocked,
-        interrupted,
-    })
+    best.2
 }
 
-fn positions_of_input(_: &[Point3<f64>], input: &[Point3<f64>]) -> Vec<[f64; 3]> {
-    input.iter().map(|p| [p.x, p.y, p.z]).collect()
-}
-
+/// The motions that are tried, the more of them the less the last ones helped.
 fn tries(quality: Quality, widen: bool) -> Vec<Try> {
-    let stiffnesses: &[f64] = match quality {
-        Quality::Fast => &[16.0],
-        _ => &[1.0, 16.0, 256.0],
-    };
+    let stiffnesses: &[f64] = if quality == Quality::Fast { &[16.0] } else { &[1.0, 16.0, 256.0] };
     let mut tries = Vec::new();
-    let aims: &[Aim] = if !widen { &[Aim::Normal] } else { &[Aim::Normal, Aim::Target, Aim::Shorten] };
-    for &aim in aims {
-        for &stiffness in stiffnesses {
-            for tolerated in [f64::INFINITY, super::knob("TOL", 1.08)] {
-                tries.push(Try { aim, stiffness, tolerated });
+    for &stiffness in stiffnesses {
+        for tolerated in [f64::INFINITY, TOLERATED] {
+            tries.push(Try { aim: Aim::Normal, stiffness, tolerated });
+        }
+    }
+    if widen {
+        for stiffness in [1.0, 16.0, 256.0] {
+            for aim in [Aim::Target, Aim::Shorten] {
+                tries.push(Try { aim, stiffness, tolerated: f64::INFINITY });
+                if quality == Quality::Accurate {
+                    tries.push(Try { aim, stiffness, tolerated: TOLERATED });
+                }
             }
         }
     }
     tries
 }
 
-impl Candidate {
-    /// Shrinks the motion of a cluster that goes too far.
-    fn limit(&mut self, body: &Body<'_>, clusters: &Clusters, longest: f64) {
-        let mut largest = vec![0.0f64; clusters.len() + 1];
-        for (&vertex, motion) in body.domain.vertices().iter().zip(&self.solver.motion) {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            largest[cluster] = largest[cluster].max(motion.norm());
-        }
-        for (&vertex, motion) in body.domain.vertices().iter().zip(&mut self.solver.motion) {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            if largest[cluster] > longest {
-                *motion *= longest / largest[cluster];
-            }
+/// Marks where the sheets are to pass through each other: along the paths and inside of them.
+fn spare(mesh: &Mesh, analysis: &Analysis, spared: &mut Vec<bool>) {
+    spared.clear();
+    spared.resize(mesh.num_vertices(), false);
+    for segment in &analysis.intersections.segments {
+        for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
+            spared[vertex.index()] = true;
         }
     }
+    for vertex in &analysis.regions.vertices {
+        spared[vertex.index()] = true;
+    }
+}
 
-    /// Moves, halving the motion of clusters until nothing is crushed or overstretched.
-    fn place(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard, single: bool) {
-        let before = body.frame.positions();
-        self.positions.clear();
-        self.positions.extend_from_slice(before);
-        let mut scale = vec![1.0f64; clusters.len() + 1];
-        for round in 0..5 {
-            for (&vertex, motion) in body.domain.vertices().iter().zip(&self.solver.motion) {
-                let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-                let mut point = before[vertex.index()] + motion * scale[cluster];
-                if single {
-                    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-                    let rounded = point.map(|value| f64::from(value as f32));
-                    point = rounded;
-                }
-                self.positions[vertex.index()] = point;
-            }
-            let mut refused = vec![false; clusters.len() + 1];
-            for &vertex in body.domain.vertices() {
-                let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-                refused[cluster] |= body
-                    .mesh
-                    .vertex_faces(vertex)
-                    .iter()
-                    .any(|&face| guard.refuses_face(body.mesh, before, &self.positions, face))
-                    || body
-                        .mesh
-                        .vertex_edges(vertex)
-                        .iter()
-                        .any(|&edge| guard.refuses_edge(body.mesh, before, &self.positions, edge));
-            }
-            let mut any = false;
-            for (scale, refused) in scale.iter_mut().zip(refused) {
-                if refused {
-                    any = true;
-                    *scale = if round == 3 { 0.0 } else { *scale * 0.5 };
-                }
-            }
-            if !any {
-                break;
-            }
-        }
+/// Mean edge length of the faces that intersect, in metres.
+fn edge_length_m(mesh: &Mesh, frame: &Frame, analysis: &Analysis) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for segment in &analysis.paths.segments {
+        let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));
+        sum += (b - a).norm() + (c - b).norm() + (a - c).norm();
+        count += 3.0;
     }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
 
-    /// Adds goals for what this motion ran into; false if there is nothing new.
-    fn add_contacts(&mut self, scene: &Scene<'_>, spared: &[bool]) -> bool {
-        let before = self.goals.len();
-        let Scene { mesh, frame, analysis, .. } = *scene;
-        for found in &self.found.edge_face {
-            let known = analysis
-                .intersections
-                .edge_face
-                .binary_search_by(|other| (other.edge, other.face).cmp(&(found.edge, found.face)))
-                .is_ok();
-            let (ends, corners) = (mesh.edge(found.edge), mesh.face(found.face));
-            let is_spared = |vertices: &[crate::mesh::VertexId]| vertices.iter().any(|vertex| spared[vertex.index()]);
-            if known || (is_spared(&ends) && is_spared(&corners)) {
-                continue;
-            }
-            let own = MaterialPoint {
-                vertices: [ends[0], ends[1], ends[1]],
-                weights: [1.0 - found.edge_parameter, found.edge_parameter, 0.0],
-            };
-            let partner = MaterialPoint { vertices: corners, weights: found.barycentric };
-            let edge = (frame.position(ends[1]) - frame.position(ends[0])).norm();
-            self.goals.keep_apart(frame, &own, &partner, 0.3 * edge);
-        }
-        self.goals.len() > before
-    }
-
-    fn measure_strain(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard) {
-        self.strains.clear();
-        self.strains.resize(clusters.len() + 1, 0.0);
-        for &vertex in body.domain.vertices() {
-            let strain = &mut self.strains[clusters.of(vertex).unwrap_or(clusters.len())];
-            for &edge in body.mesh.vertex_edges(vertex) {
-                *strain = strain.max(guard.stretch(body.mesh, &self.positions, edge).ln().abs());
-            }
-        }
-    }
-
-    fn detect(&mut self, mesh: &Mesh, clusters: &Clusters) {
-        self.usable = self.frame.set(mesh, self.positions.iter().map(|p| [p.x, p.y, p.z])).is_ok();
-        if self.usable {
-            self.intersector.intersect(mesh, &self.frame, &mut self.found);
-            measure(mesh, &self.frame, &self.found, clusters, &mut self.tangles);
-        }
-    }
+fn blocked_paths(mesh: &Mesh, analysis: &Analysis, reason: &str) -> Vec<BlockedPath> {
+    let pairs = analysis.paths.pairs.iter();
+    pairs
+        .map(|pair| {
+            let first = &analysis.paths.copies[pair.copies.start];
+            let face = analysis.paths.segments[first.segments.start].own;
+            let vertex = mesh.face(face)[0].0;
+            BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
+        })
+        .collect()
 }
