@@ -4,6 +4,7 @@ use super::{
     InsideRegion, InsideRegions,
     disc::Disc,
     flood::{Flood, Separation, Terms},
+    pair::{Shore, agreement},
     side::{Scene, choose_side},
 };
 use crate::{
@@ -18,6 +19,7 @@ use crate::{
 pub struct RegionFinder {
     flood: Flood,
     disc: Disc,
+    shore: Shore,
 }
 
 impl RegionFinder {
@@ -38,7 +40,7 @@ impl RegionFinder {
         for (index, copy) in paths.copies.iter().enumerate() {
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
-                    Some(self.partition(scene, &[index], regions))
+                    Some(self.partition(scene, index, false, regions))
                 }
                 PathType::BoundaryLoopInside | PathType::BoundaryLoopBoundary => {
                     Some(self.cut_disc(scene, copy, regions))
@@ -47,31 +49,73 @@ impl RegionFinder {
             };
             regions.by_copy.push(region);
             self.join_copies(scene, index, regions);
+            self.agree(scene, index, regions);
         }
     }
 
-    /// Where neither of two corresponding paths separates, both together may: two hem-to-hem paths on a tube.
+    /// Where neither of two corresponding paths separates, both together may: two paths from hem to hem of a tube. An end a little way
+    /// inside of the hem, where the other sheet's hem pierces the cloth, counts as one on the hem.
     fn join_copies(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
         let first = scene.paths.copies[second].partner;
-        let fails = |copy: usize| regions.by_copy[copy].as_ref().is_some_and(|region| !region.partitioning);
-        if first < second && fails(first) && fails(second) {
-            let region = self.partition(scene, &[first, second], regions);
-            if region.partitioning {
-                let empty = InsideRegion { partitioning: true, ..InsideRegion::default() };
-                regions.by_copy[second] = Some(empty);
-            }
-            regions.by_copy[first] = Some(region);
+        if first >= second || scene.paths.copies[second].closed {
+            return;
+        }
+        let both = [first, second];
+        if both.iter().any(|&copy| regions.by_copy[copy].as_ref().is_some_and(|region| region.partitioning)) {
+            return;
+        }
+        if !self.shore.reach(scene, both) {
+            return;
+        }
+        self.flood.begin(scene.mesh);
+        for (index, copy) in both.into_iter().enumerate() {
+            self.cross_edges(scene.paths, &scene.paths.copies[copy]);
+            self.shore.edges(index).for_each(|edge| self.flood.cross(edge));
+        }
+        let points = &scene.paths.points[scene.paths.copies[first].points.clone()];
+        let region = divide(&mut self.flood, scene, points, &|_| true, &|_| None, false, regions);
+        if region.partitioning {
+            regions.by_copy[first] = Some(InsideRegion { joint: true, ..region });
+            regions.by_copy[second] =
+                Some(InsideRegion { partitioning: true, joint: true, ..InsideRegion::default() });
         }
     }
 
-    /// The inside of one path, or of several together.
-    fn partition(&mut self, scene: &Scene<'_>, copies: &[usize], regions: &mut InsideRegions) -> InsideRegion {
-        self.flood.begin(scene.mesh);
-        for &copy in copies {
-            self.cross_edges(scene.paths, &scene.paths.copies[copy]);
+    /// Two closed paths whose sheets run side by side rather than across each other have their insides on the same side: of two tubes
+    /// that run into each other both upper ends, or both lower ones. Where the smaller sides say otherwise, the smallest pair that agrees counts.
+    fn agree(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
+        let first = scene.paths.copies[second].partner;
+        if first >= second || !scene.paths.copies[second].closed || agreement(scene, first, regions) >= -0.5 {
+            return;
         }
-        let points = &scene.paths.points[scene.paths.copies[copies[0]].points.clone()];
-        divide(&mut self.flood, scene, points, &|_| true, &|_| None, regions)
+        let both = [first, second];
+        let kept = both.map(|copy| regions.vertices_of(copy).len());
+        let start = regions.by_copy[first].as_ref().map_or(0, |region| region.vertices.start);
+        let mut other = [0; 2];
+        for (copy, count) in both.into_iter().zip(&mut other) {
+            regions.vertices.truncate(start);
+            *count = self.partition(scene, copy, true, regions).vertices.len();
+        }
+        regions.vertices.truncate(start);
+        let turned = usize::from(kept[0] + other[1] < kept[1] + other[0]);
+        for (index, copy) in both.into_iter().enumerate() {
+            let region = self.partition(scene, copy, index == turned, regions);
+            regions.by_copy[copy] = Some(region);
+        }
+    }
+
+    /// The inside of one path; with `turned` the side that it would not choose.
+    fn partition(
+        &mut self,
+        scene: &Scene<'_>,
+        copy: usize,
+        turned: bool,
+        regions: &mut InsideRegions,
+    ) -> InsideRegion {
+        self.flood.begin(scene.mesh);
+        self.cross_edges(scene.paths, &scene.paths.copies[copy]);
+        let points = &scene.paths.points[scene.paths.copies[copy].points.clone()];
+        divide(&mut self.flood, scene, points, &|_| true, &|_| None, turned, regions)
     }
 
     /// The inside of the disc round the loop vertex of a BLI path.
@@ -92,7 +136,7 @@ impl RegionFinder {
         self.cross_edges(scene.paths, copy);
         let disc = &self.disc;
         let left = |edge| disc.left_end(scene.mesh, points, edge);
-        let region = divide(&mut self.flood, scene, points, &|vertex| disc.contains(vertex), &left, regions);
+        let region = divide(&mut self.flood, scene, points, &|vertex| disc.contains(vertex), &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
@@ -111,13 +155,14 @@ impl RegionFinder {
     }
 }
 
-/// Fills both sides of the path that `flood` was told, and notes the inside.
+/// Fills both sides of the path that `flood` was told, and notes the inside; with `turned` the other side.
 fn divide(
     flood: &mut Flood,
     scene: &Scene<'_>,
     points: &[PathPoint],
     allowed: &dyn Fn(VertexId) -> bool,
     left: &dyn Fn(EdgeId) -> Option<VertexId>,
+    turned: bool,
     regions: &mut InsideRegions,
 ) -> InsideRegion {
     let (count, area) = (|_| 1.0, |vertex| vertex_area(scene, vertex));
@@ -128,10 +173,14 @@ fn divide(
     let first = regions.vertices.len();
     let partitioning = flood.fill(scene.mesh, &terms) == Separation::Two;
     if partitioning {
-        let inside = choose_side(flood, scene, points, &terms);
+        let mut inside = choose_side(flood, scene, points, &terms);
+        if turned {
+            inside = 1 - inside;
+            flood.complete(scene.mesh, &terms);
+        }
         regions.vertices.extend_from_slice(flood.side(inside));
     }
-    InsideRegion { partitioning, vertices: first..regions.vertices.len(), disc_radius: None }
+    InsideRegion { partitioning, vertices: first..regions.vertices.len(), ..InsideRegion::default() }
 }
 
 /// A third of the area of the faces round a vertex, in square metres.
