@@ -112,7 +112,11 @@ impl Chart {
         };
         let across = |bank: &[[Point2<f64>; 2]; 2]| bank[1][0] - bank[0][0] + (bank[1][1] - bank[0][1]);
         let first = self.cut.edges.first().map_or_else(Vector2::zeros, |edge| across(&bank(edge)));
-        self.cut.edges.iter().map(bank).map(move |bank| if across(&bank).dot(&first) < 0.0 { [bank[1], bank[0]] } else { bank })
+        self.cut
+            .edges
+            .iter()
+            .map(bank)
+            .map(move |bank| if across(&bank).dot(&first) < 0.0 { [bank[1], bank[0]] } else { bank })
     }
 
     /// By how much the cut gapes, in lengths of its edges.
@@ -167,7 +171,12 @@ impl Chart {
     }
 
     fn reached(&self) -> impl Iterator<Item = (&[u32; 3], usize)> {
-        self.patch.corners().iter().enumerate().filter(|&(face, _)| self.unfolding.is_reached(face)).map(|(f, c)| (c, f))
+        self.patch
+            .corners()
+            .iter()
+            .enumerate()
+            .filter(|&(face, _)| self.unfolding.is_reached(face))
+            .map(|(f, c)| (c, f))
     }
 
     fn index(&mut self, mesh: &Mesh) {

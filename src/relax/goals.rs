@@ -180,6 +180,34 @@ impl Goals {
             self.finish_row(SHORTENING * length / norm, copy, false);
         } else {
             self.terms.truncate(first);
+            self.draw_back(scene, copy);
+        }
+    }
+
+    /// Draws edges back out of the faces that they pierce, by the end that is nearer: for paths that are mere points.
+    fn draw_back(&mut self, scene: &Scene<'_>, copy: usize) {
+        let Scene { mesh, frame, analysis, .. } = *scene;
+        let path = &analysis.paths.copies[copy];
+        let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments[path.segments.clone()]) else {
+            return;
+        };
+        for point in &analysis.paths.points[path.points.clone()] {
+            let ((SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
+            | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter })) =
+                (point.own, point.partner)
+            else {
+                continue;
+            };
+            let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
+            let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
+            let ends = mesh.edge(edge);
+            let (tip, other) = if parameter < 0.5 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
+            let depth = normal.dot(&(frame.position(tip) - point.position));
+            let back = normal.dot(&(frame.position(other) - point.position));
+            let direction = if back - depth < 0.0 { -normal } else { normal };
+            let pierced = MaterialPoint { vertices: mesh.face(face), weights: barycentric };
+            let wanted_m = depth.abs() + GAP * edge_length_m;
+            self.push_pair(&MaterialPoint::vertex(tip), &pierced, direction, wanted_m, copy);
         }
     }
 

@@ -46,7 +46,9 @@ impl Guard {
     fn refuses_edge(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], edge: EdgeId) -> bool {
         let input = self.lengths[edge.index()];
         let (then, now) = (length(mesh, before, edge), length(mesh, after, edge));
-        (now > LARGEST_STRETCH * input && now > then) || (now * LARGEST_STRETCH < input && now < then)
+        // An edge without a length may get one.
+        let too_long = input > 0.0 && now > LARGEST_STRETCH * input && now > then;
+        too_long || (now * LARGEST_STRETCH < input && now < then)
     }
 }
 

@@ -28,7 +28,7 @@ const RINGS: usize = 14;
 /// From the second iteration on, edges are drawn this far towards their shape in the input.
 const MEMORY: f64 = 0.3;
 /// Gives up after so many iterations without a better state.
-const PATIENCE: usize = 8;
+const PATIENCE: usize = 5;
 /// Motions of one iteration stiffen edges that change their length by more than this factor, in the careful kind of motion.
 const TOLERATED: f64 = 1.08;
 /// Iterations that bring back the shape once nothing intersects any more.
@@ -37,6 +37,30 @@ const SETTLINGS: usize = 4;
 const SETTLED_GAP: f64 = 0.2;
 /// Strains below this logarithm are left alone.
 const SMALL_STRAIN: f64 = 0.05;
+
+/// Which aim is tried first. Where one order ends stuck, the next begins again from the input.
+#[derive(Clone, Copy, Debug)]
+enum Plan {
+    NormalFirst,
+    TargetFirst,
+}
+
+const PLANS: [Plan; 2] = [Plan::NormalFirst, Plan::TargetFirst];
+
+/// Why iterations ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    Clean,
+    Stuck,
+    Exhausted,
+    Interrupted,
+}
+
+/// The least tangled state so far.
+struct Best {
+    merit: f64,
+    positions: Vec<Point3<f64>>,
+}
 
 /// One relaxation under way.
 pub(super) struct Relaxer<'a> {
@@ -91,98 +115,120 @@ impl<'a> Relaxer<'a> {
         mut self,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<Relaxation, RelaxError> {
-        let mut best = (f64::INFINITY, Vec::new());
-        let mut impatience = 0;
-        let mut widen = false;
+        let input = self.frame.positions().to_vec();
+        let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
+        self.analyse();
+        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
         let mut interrupted = false;
-        let blocked = loop {
-            let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
-            if analysis.intersections.edge_face.is_empty() {
-                break Vec::new();
+        let mut reason = "";
+        for (index, plan) in PLANS.into_iter().enumerate() {
+            if index > 0 {
+                self.parted.clear();
+                self.set_frame(&input)?;
             }
-            self.clusters.find(self.mesh, analysis, 2 * RINGS);
-            measure(self.mesh, &self.frame, &analysis.intersections, &self.clusters, &mut self.now);
-            let merit = total(&self.now).merit();
-            if merit < best.0 {
-                best = (merit, self.frame.positions().to_vec());
-                impatience = 0;
-            } else {
-                impatience += 1;
-            }
-            let reason = if interrupted {
-                "the work was interrupted"
-            } else if self.history.len() >= self.settings.max_iterations {
-                "the largest number of iterations was reached"
-            } else if impatience > PATIENCE {
-                "no motion left it shorter without crushing or overstretching the cloth"
-            } else {
-                ""
+            let end = self.follow(plan, &mut best, progress)?;
+            reason = match end {
+                End::Clean => "",
+                End::Exhausted => "the largest number of iterations was reached",
+                End::Stuck => "no motion left it shorter without crushing or overstretching the cloth",
+                End::Interrupted => "the work was interrupted",
             };
-            if !reason.is_empty() {
-                let best_frame = best.1;
-                self.set_frame(&best_frame)?;
-                let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
-                break blocked_paths(self.mesh, analysis, reason);
+            interrupted = end == End::Interrupted;
+            if end != End::Stuck {
+                break;
             }
-            if self.history.is_empty() {
-                self.first_clusters.find(self.mesh, analysis, usize::MAX / 2);
-            }
-            let (method, stuck) = self.iterate(impatience, widen || impatience > 0)?;
-            widen = stuck;
-            interrupted = self.report(method, progress)?.is_break();
-        };
-        if blocked.is_empty() && !interrupted {
+        }
+        self.set_frame(&best.positions)?;
+        let blocked = blocked_paths(self.mesh, self.analyser.last(), reason);
+        if blocked.is_empty() && !self.history.is_empty() {
             for _ in 0..SETTLINGS {
-                if self.history.is_empty() || !self.settle()? {
+                if interrupted || !self.settle()? {
                     break;
                 }
-                if self.report(Method::Settle, progress)?.is_break() {
-                    interrupted = true;
-                    break;
-                }
+                interrupted = self.report(Method::Settle, progress).is_break();
             }
         }
         let positions = self.frame.positions().iter().map(|point| (*point).into()).collect();
         Ok(Relaxation { positions, history: self.history, blocked, interrupted })
     }
 
+    /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
+    fn follow(
+        &mut self,
+        plan: Plan,
+        best: &mut Best,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<End, RelaxError> {
+        let mut own_best = f64::INFINITY;
+        let mut impatience = 0;
+        let mut widen = false;
+        for iteration in 0.. {
+            let analysis = self.analyser.last();
+            self.clusters.find(self.mesh, analysis, 2 * RINGS);
+            measure(self.mesh, &self.frame, &analysis.intersections, &self.clusters, &mut self.now);
+            let merit = total(&self.now).merit();
+            if merit < best.merit {
+                *best = Best { merit, positions: self.frame.positions().to_vec() };
+            }
+            if analysis.intersections.edge_face.is_empty() {
+                return Ok(End::Clean);
+            }
+            impatience = if merit < own_best { 0 } else { impatience + 1 };
+            own_best = own_best.min(merit);
+            if self.history.len() >= self.settings.max_iterations {
+                return Ok(End::Exhausted);
+            }
+            if impatience > PATIENCE {
+                break;
+            }
+            let tries = tries(plan, self.settings.quality, widen || impatience > 0);
+            let memory = if iteration == 0 { 0.0 } else { MEMORY };
+            let (method, stuck) = self.iterate(&tries, memory, impatience > 0)?;
+            widen = stuck;
+            if self.report(method, progress).is_break() {
+                return Ok(End::Interrupted);
+            }
+        }
+        Ok(End::Stuck)
+    }
+
+    fn analyse(&mut self) {
+        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+    }
+
     fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
-        Ok(self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?)
+        self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
+        self.analyse();
+        Ok(())
     }
 
     /// Notes the state after an iteration.
-    fn report(
-        &mut self,
-        method: Method,
-        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-    ) -> Result<ControlFlow<()>, RelaxError> {
-        let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+    fn report(&mut self, method: Method, progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> ControlFlow<()> {
+        let analysis = self.analyser.last();
         let iteration = Iteration {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             path_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
             method,
         };
         self.history.push(iteration);
-        Ok(progress(&iteration))
+        progress(&iteration)
     }
 
     /// Makes the motions of one iteration and takes the best of them, cluster by cluster. Returns the method that helped most, and
     /// whether some cluster was left as it was.
-    fn iterate(&mut self, impatience: usize, widen: bool) -> Result<(Method, bool), RelaxError> {
+    fn iterate(&mut self, tries: &[Try], memory: f64, must_change: bool) -> Result<(Method, bool), RelaxError> {
         let Self { mesh, frame, clusters, domain, candidates, now, .. } = self;
         let analysis = self.analyser.last();
         let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
         let scene = Scene { mesh, frame, analysis, found, orientation: &self.orientation };
-        let tries = tries(self.settings.quality, widen);
         candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
         let candidates = &mut candidates[..tries.len()];
-        for (candidate, attempt) in candidates.iter_mut().zip(&tries) {
+        for (candidate, attempt) in candidates.iter_mut().zip(tries) {
             candidate.goals.collect(&scene, attempt.aim);
         }
         domain.grow(mesh, candidates.iter().flat_map(|candidate| candidate.goals.vertices()), RINGS);
         spare(mesh, analysis, &mut self.spared);
         self.edge_length_m = edge_length_m(mesh, frame, analysis);
-        let memory = if self.history.is_empty() { 0.0 } else { MEMORY };
         let trial = Trial {
             scene,
             body: Body { mesh, frame, shape: &self.shape, domain, memory },
@@ -193,9 +239,9 @@ impl<'a> Relaxer<'a> {
             edge_length_m: self.edge_length_m,
             single_precision: self.settings.single_precision,
         };
-        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| candidate.attempt(&trial, *attempt));
+        candidates.par_iter_mut().zip(tries).for_each(|(candidate, attempt)| candidate.attempt(&trial, *attempt));
         let choice: Vec<Option<usize>> =
-            (0..=clusters.len()).map(|cluster| choose(candidates, now, cluster, impatience > 0)).collect();
+            (0..=clusters.len()).map(|cluster| choose(candidates, now, cluster, must_change)).collect();
         let stuck = choice.iter().zip(now.iter()).any(|(choice, now)| choice.is_none() && !now.is_none());
         let mut positions = frame.positions().to_vec();
         for &vertex in domain.vertices() {
@@ -210,9 +256,9 @@ impl<'a> Relaxer<'a> {
                 gains[aim] += now[cluster].merit() - candidates[index].best.tangles[cluster].merit();
             }
         }
-        self.frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
+        self.set_frame(&positions)?;
         for index in choice.iter().flatten().copied().collect::<std::collections::BTreeSet<_>>() {
-            self.parted.hold(&candidates[index].goals, &self.frame);
+            self.parted.hold(&self.candidates[index].goals, &self.frame);
         }
         let most = (1..3).fold(0, |best, aim| if gains[aim] > gains[best] { aim } else { best });
         Ok(([Method::Push, Method::Rbf, Method::Contour][most], stuck))
@@ -281,13 +327,11 @@ impl<'a> Relaxer<'a> {
         }
         let before = frame.positions().to_vec();
         self.set_frame(&positions)?;
-        let analysis = self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
-        if analysis.intersections.edge_face.is_empty() {
+        if self.analyser.last().intersections.edge_face.is_empty() {
             return Ok(choice.iter().any(Option::is_some));
         }
         // Clusters that moved differently met at their borders.
         self.set_frame(&before)?;
-        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
         Ok(false)
     }
 }
@@ -307,18 +351,22 @@ fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change:
     best.2
 }
 
-/// The motions that are tried, the more of them the less the last ones helped.
-fn tries(quality: Quality, widen: bool) -> Vec<Try> {
+/// The motions that are tried; `widen` adds those of the other aims.
+fn tries(plan: Plan, quality: Quality, widen: bool) -> Vec<Try> {
+    let (first, others) = match plan {
+        Plan::NormalFirst => (Aim::Normal, [Aim::Target, Aim::Shorten]),
+        Plan::TargetFirst => (Aim::Target, [Aim::Normal, Aim::Shorten]),
+    };
     let stiffnesses: &[f64] = if quality == Quality::Fast { &[16.0] } else { &[1.0, 16.0, 256.0] };
     let mut tries = Vec::new();
     for &stiffness in stiffnesses {
         for tolerated in [f64::INFINITY, TOLERATED] {
-            tries.push(Try { aim: Aim::Normal, stiffness, tolerated });
+            tries.push(Try { aim: first, stiffness, tolerated });
         }
     }
     if widen {
         for stiffness in [1.0, 16.0, 256.0] {
-            for aim in [Aim::Target, Aim::Shorten] {
+            for aim in others {
                 tries.push(Try { aim, stiffness, tolerated: f64::INFINITY });
                 if quality == Quality::Accurate {
                     tries.push(Try { aim, stiffness, tolerated: TOLERATED });
