@@ -125,6 +125,16 @@ impl MeshFile {
         }
     }
 
+    /// The line in which a vertex stands, from 1, if the file is text.
+    #[must_use]
+    pub fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        match &self.document {
+            Document::Obj(document) => document.line_of_vertex(vertex),
+            Document::Ply(document) => document.line_of_vertex(vertex),
+            Document::Gltf => None,
+        }
+    }
+
     /// Positions, `num_vertices x 3`, finite; taken as metres.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
