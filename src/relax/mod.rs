@@ -1,15 +1,20 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod clusters;
+mod domain;
+mod goals;
+mod guard;
+mod motion;
+mod orient;
+mod shape;
+mod solver;
+
 use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{
-    frame::{Frame, FrameError},
-    mesh::Mesh,
-    paths::PairType,
-};
+use crate::{frame::FrameError, mesh::Mesh, paths::PairType};
 
 /// How much time a relaxation may take for a better result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,9 +110,12 @@ pub enum RelaxError {
 pub fn relax(
     mesh: &Mesh,
     positions: &[[f64; 3]],
-    _settings: &RelaxSettings,
-    _progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    settings: &RelaxSettings,
+    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    Frame::new(mesh, positions)?;
-    Ok(Relaxation { positions: positions.to_vec(), history: Vec::new(), blocked: Vec::new(), interrupted: false })
+    solver::run(mesh, positions, settings, progress)
+}
+
+pub(crate) fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }
