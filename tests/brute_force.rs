@@ -4,7 +4,7 @@
 
 mod support;
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt::Write};
 
 use support::{
     brute, rules,
@@ -47,11 +47,16 @@ fn crumpled_sheets_equal_brute_force_and_obey_all_rules() {
             table.entry(pair.pair_type).or_default()[column] += 1;
         }
     }
-    println!("{SHEETS} sheets, {num_pairs} face pairs; path pairs by type and resolution:");
-    println!("{:<14} {:>6} {:>6} {:>6} {:>6}", "type", 6, 9, 13, 20);
-    for (pair_type, [a, b, c, d]) in &table {
+    let mut text = format!(
+        "{SHEETS} sheets, {num_pairs} face pairs:\n\n| type | n = 6 | 9 | 13 | 20 | all |\n|---|---|---|---|---|---|\n"
+    );
+    for (pair_type, counts) in &table {
         let name = serde_json::to_value(pair_type).unwrap();
-        println!("{:<14} {a:>6} {b:>6} {c:>6} {d:>6}", name.as_str().unwrap());
+        let cells = counts.map(|count| count.to_string()).join(" | ");
+        writeln!(text, "| {} | {cells} | {} |", name.as_str().unwrap(), counts.iter().sum::<usize>()).unwrap();
     }
+    println!("{text}");
+    let document = include_str!("../docs/STAGES.md");
+    assert!(document.contains(&text), "docs/STAGES.md says something else than:\n{text}");
     assert!(table.len() >= 5, "too few types to be a test: {table:?}");
 }

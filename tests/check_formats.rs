@@ -15,12 +15,17 @@ use serde_json::Value;
 use support::{
     degenerate,
     files::{self, exact, rounded},
+    scene::Scene,
     sheet::Sheet,
 };
 
-fn check(file: &Path) -> Output {
+fn check_all(files: &[&Path]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_untangled"));
-    command.arg("check").arg(file).args(["--json", "--face-pairs"]).output().unwrap()
+    command.arg("check").args(files).args(["--json", "--face-pairs"]).output().unwrap()
+}
+
+fn check(file: &Path) -> Output {
+    check_all(&[file])
 }
 
 /// The report without what differs from file to file.
@@ -185,6 +190,39 @@ fn what_is_no_number_is_refused_in_every_format() {
         let text = refusal(&path);
         assert!(text.contains(&format!("{end}{element}")) && text.contains("at most 2^250"), "{text}");
     }
+}
+
+/// Cloth with texture coordinates beside a body without: the disc of a folded path is measured in those of the cloth all the same.
+#[test]
+fn texture_coordinates_count_for_the_files_that_have_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = Scene::fold([-1.0, 0.8], [40, 31], |x, v| v - 0.65 - 0.1 * x);
+    // Far from the lengths of the cloth.
+    scene.uvs.iter_mut().for_each(|[u, _]| *u *= 0.3);
+    let cloth = Sheet { faces: scene.faces, uvs: scene.uvs, positions: scene.positions };
+    let body = Sheet {
+        faces: vec![[0, 1, 2]],
+        uvs: vec![[0.0; 2]; 3],
+        positions: vec![[9.0, 0.0, 0.0], [10.0, 0.0, 0.0], [9.0, 1.0, 0.0]],
+    };
+    let write = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, content).unwrap();
+        path
+    };
+    let (with, without) =
+        (write("with.obj", &files::obj_with_uvs(&cloth)), write("without.obj", &files::obj(&cloth, false)));
+    let body = write("body.obj", &files::obj(&body, false));
+    let inside = |files: &[&Path]| {
+        let report: Value = serde_json::from_slice(&check_all(files).stdout).unwrap();
+        assert_eq!(report["path_pairs"], serde_json::json!({"BLI": 1}));
+        indices(&report["paths"][0]["copies"][0]["inside_vertices"])
+    };
+    let expected = inside(&[&with]);
+    assert!(!expected.is_empty());
+    assert_eq!(inside(&[&with, &body]), expected);
+    assert_ne!(inside(&[&without]), expected);
+    assert_eq!(inside(&[&without, &body]), inside(&[&without]));
 }
 
 #[test]

@@ -7,6 +7,9 @@
 //! coordinates where the mesh has them, or else with their rest lengths. Across a seam the layout simply goes on. The radius is known
 //! only when the nearer end of the path is reached, so that the whole disc has to be laid out.
 //!
+//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads round an end: a
+//! free end needs no extension to the rim to keep the sides apart.
+//!
 //! Each face keeps the motion that placed it, and hands it on to its neighbours: so errors add up from face to face. Placing each corner
 //! by the two that are there would multiply them. What comes first is told by lengths, so that no numbering changes the disc.
 
@@ -282,10 +285,13 @@ fn conjugate_if(conjugate: bool, z: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(z.x, if conjugate { -z.y } else { z.y })
 }
 
-/// A face in a plane of its own: its texture coordinates, or a triangle of its rest lengths.
+/// A face in a plane of its own: its texture coordinates where they have an area, or a triangle of its rest lengths.
 fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>; 3] {
     if let Some(uvs) = mesh.uvs() {
-        return uvs.corners[face.index()].map(|corner| uvs.coordinates[corner as usize].into());
+        let [a, b, c] = uvs.corners[face.index()].map(|corner| Vector2::from(uvs.coordinates[corner as usize]));
+        if (b - a).perp(&(c - a)).abs() > 0.0 {
+            return [a, b, c];
+        }
     }
     // From the corners in the order of their vertices: no rounding depends on how the face is written down.
     let mut order = [0, 1, 2];

@@ -37,6 +37,19 @@ pub(crate) fn obj(sheet: &Sheet, backwards: bool) -> Vec<u8> {
     text.into_bytes()
 }
 
+/// As [`obj`], with texture coordinates: one for each vertex.
+pub(crate) fn obj_with_uvs(sheet: &Sheet) -> Vec<u8> {
+    let mut text = String::new();
+    for ([x, y, z], [u, v]) in sheet.positions.iter().zip(&sheet.uvs) {
+        writeln!(text, "v {x:e} {y:e} {z:e}\nvt {u:e} {v:e}").unwrap();
+    }
+    for corners in &sheet.faces {
+        let [a, b, c] = corners.map(|corner| corner + 1);
+        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
+    }
+    text.into_bytes()
+}
+
 fn ply_header(sheet: &Sheet, format: &str) -> String {
     format!(
         "ply\nformat {format} 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
