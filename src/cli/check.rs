@@ -7,6 +7,7 @@ mod tests;
 use std::{
     fs::{self, File},
     io::{self, BufWriter, Write},
+    ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -19,7 +20,10 @@ use crate::{
     analysis::{Analyser, Analysis, Stage, StageObserver},
     cli::Outcome,
     frame::{Frame, FrameError},
-    io::{FileFormat, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj, write_contours_ply},
+    io::{
+        FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj,
+        write_contours_ply,
+    },
     mesh::{Mesh, MeshError},
     settings::Settings,
 };
@@ -67,11 +71,13 @@ pub enum CheckError {
         source: MeshError,
     },
     /// A coordinate is beyond the range of exact arithmetic.
-    #[error("{}: {source}", path.display())]
+    #[error("{}{}: {source}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
     Frame {
         /// The file.
         path: PathBuf,
-        /// What is wrong; vertices counted from 0 in this file.
+        /// Line at fault, counted from 1, in a text format.
+        line: Option<usize>,
+        /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
         source: FrameError,
     },
     /// `--contours` names neither OBJ nor PLY.
@@ -122,24 +128,32 @@ pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analys
     clock.start(StageTimes::MESH);
     let names = || files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
     let world = concatenate(&meshes).map_err(|source| CheckError::World { files: names(), source })?;
-    drop(meshes);
     let World { description, positions, file_vertices, .. } = world;
     let mesh = Mesh::new(description).map_err(|source| CheckError::Mesh { files: names(), source })?;
-    let frame = Frame::new(&mesh, &positions).map_err(|source| {
-        let FrameError::Coordinate { vertex, axis, value } = source else {
-            return CheckError::Frame { path: names().into(), source };
-        };
-        let (path, range) = files
-            .iter()
-            .zip(&file_vertices)
-            .find(|(_, range)| range.contains(&vertex))
-            .map_or((PathBuf::new(), 0..0), |(path, range)| (path.clone(), range.clone()));
-        CheckError::Frame { path, source: FrameError::Coordinate { vertex: vertex - range.start, axis, value } }
-    })?;
+    let frame = Frame::new(&mesh, &positions).map_err(|source| locate(source, &meshes, &file_vertices))?;
+    drop(meshes);
     let mut analyser = Analyser::default();
     let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
     let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
     Ok((report, analysis))
+}
+
+/// Finds the file and the line of a position that was refused.
+fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> CheckError {
+    let FrameError::Coordinate { vertex, axis, value } = source else {
+        unreachable!("files have one position for each vertex: {source}");
+    };
+    let owner = files.iter().zip(file_vertices).find(|(_, range)| range.contains(&vertex));
+    owner.map_or_else(
+        || unreachable!("vertex {vertex} belongs to no file"),
+        |(file, range)| {
+            let vertex = vertex - range.start;
+            let line = file.line_of_vertex(vertex);
+            let vertex = vertex + usize::from(file.format() == FileFormat::Obj);
+            let source = FrameError::Coordinate { vertex, axis, value };
+            CheckError::Frame { path: file.path().to_path_buf(), line, source }
+        },
+    )
 }
 
 /// The format of the contours, if they may be written there.
