@@ -6,7 +6,11 @@ mod support;
 
 use std::{collections::BTreeSet, f64::consts::TAU};
 
-use support::{rules, scene::Scene, sheet::crumpled};
+use support::{
+    rules,
+    scene::{Scene, folded},
+    sheet::crumpled,
+};
 use untangled::{
     analysis::{Analysis, analyse},
     frame::Frame,

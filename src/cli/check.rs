@@ -5,9 +5,8 @@ mod report;
 mod tests;
 
 use std::{
-    fs::{self, File},
+    fs::File,
     io::{self, BufWriter, Write},
-    ops::Range,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -18,13 +17,11 @@ pub use report::Report;
 
 use crate::{
     analysis::{Analyser, Analysis, Stage, StageObserver},
-    cli::Outcome,
-    frame::{Frame, FrameError},
-    io::{
-        FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj,
-        write_contours_ply,
+    cli::{
+        Outcome,
+        input::{self, Input, InputError, is_same_file},
     },
-    mesh::{Mesh, MeshError},
+    io::{FileFormat, write_contours_obj, write_contours_ply},
     settings::Settings,
 };
 use report::StageTimes;
@@ -51,35 +48,9 @@ pub struct CheckArgs {
 /// Why a check could not be done.
 #[derive(Debug, Error)]
 pub enum CheckError {
-    /// A file can't be read.
+    /// The files are no world that can be analysed.
     #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The files together can't be put into one world.
-    #[error("{files}: {source}")]
-    World {
-        /// The files.
-        files: String,
-        /// What is wrong.
-        source: ReadErrorKind,
-    },
-    /// What was read is no mesh that can be analysed.
-    #[error("{files}: {source}")]
-    Mesh {
-        /// The files.
-        files: String,
-        /// What is wrong.
-        source: MeshError,
-    },
-    /// A coordinate is beyond the range of exact arithmetic.
-    #[error("{}{}: {source}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
-    Frame {
-        /// The file.
-        path: PathBuf,
-        /// Line at fault, counted from 1, in a text format.
-        line: Option<usize>,
-        /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
-        source: FrameError,
-    },
+    Input(#[from] InputError),
     /// `--contours` names neither OBJ nor PLY.
     #[error("{}: contours are written as .obj or .ply", .0.display())]
     ContoursFormat(PathBuf),
@@ -124,36 +95,15 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
-    let meshes = files.iter().map(read_mesh).collect::<Result<Vec<_>, _>>()?;
+    let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
-    let names = || files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-    let world = concatenate(&meshes).map_err(|source| CheckError::World { files: names(), source })?;
-    let World { description, positions, file_vertices, .. } = world;
-    let mesh = Mesh::new(description).map_err(|source| CheckError::Mesh { files: names(), source })?;
-    let frame = Frame::new(&mesh, &positions).map_err(|source| locate(source, &meshes, &file_vertices))?;
+    let world = input::join(files, &meshes)?;
+    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
     drop(meshes);
     let mut analyser = Analyser::default();
     let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
     let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
     Ok((report, analysis))
-}
-
-/// Finds the file and the line of a position that was refused.
-fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> CheckError {
-    let FrameError::Coordinate { vertex, axis, value } = source else {
-        unreachable!("files have one position for each vertex: {source}");
-    };
-    let owner = files.iter().zip(file_vertices).find(|(_, range)| range.contains(&vertex));
-    owner.map_or_else(
-        || unreachable!("vertex {vertex} belongs to no file"),
-        |(file, range)| {
-            let vertex = vertex - range.start;
-            let line = file.line_of_vertex(vertex);
-            let vertex = vertex + usize::from(file.format() == FileFormat::Obj);
-            let source = FrameError::Coordinate { vertex, axis, value };
-            CheckError::Frame { path: file.path().to_path_buf(), line, source }
-        },
-    )
 }
 
 /// The format of the contours, if they may be written there.
@@ -165,15 +115,6 @@ fn contours_format(path: &Path, inputs: &[PathBuf]) -> Result<FileFormat, CheckE
         return Err(CheckError::ContoursOverInput(path.to_path_buf()));
     }
     Ok(format)
-}
-
-/// Whether two names, however spelt or linked, are one existing file.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    match (fs::metadata(a), fs::metadata(b)) {
-        (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
-        _ => false,
-    }
 }
 
 fn write_contours(path: &Path, format: FileFormat, analysis: &Analysis) -> io::Result<()> {

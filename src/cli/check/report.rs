@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::{
     analysis::Analysis,
+    cli::input::{Counted, count_path_pairs, name_of},
     mesh::Mesh,
     paths::{ChainEnd, PairType, PathType},
 };
@@ -112,10 +113,6 @@ impl Report {
         list_face_pairs: bool,
     ) -> Self {
         let Analysis { intersections, paths, regions } = analysis;
-        let mut path_pairs = BTreeMap::new();
-        for pair in &paths.pairs {
-            *path_pairs.entry(pair.pair_type).or_default() += 1;
-        }
         let copy_report = |at: usize| {
             let copy = &paths.copies[at];
             let region = regions.by_copy[at].as_ref();
@@ -148,7 +145,7 @@ impl Report {
             manifold: mesh.is_manifold(),
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
-            path_pairs,
+            path_pairs: count_path_pairs(analysis),
             paths: pair_reports.collect(),
             face_pairs: list_face_pairs.then(face_pairs),
             time_us,
@@ -162,17 +159,6 @@ impl Report {
             serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"));
         text.push('\n');
         text
-    }
-}
-
-/// `1 face`, `2 faces`.
-struct Counted(usize, &'static str);
-
-impl Display for Counted {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(count, noun) = self;
-        let plural = if *count == 1 { "" } else { "s" };
-        write!(f, "{count} {}{plural}", noun)
     }
 }
 
@@ -224,8 +210,7 @@ impl Report {
                 inside +=
                     pair.copies.iter().filter_map(|copy| copy.inside_vertices.as_ref()).map(Vec::len).sum::<usize>();
             }
-            let name = serde_json::to_value(pair_type).ok();
-            let name = name.as_ref().and_then(|name| name.as_str()).unwrap_or_default();
+            let name = name_of(pair_type);
             writeln!(f, "  {name:<14} {count:>6} {segments:>11} {length:>12.5} {inside:>16}")?;
         }
         Ok(())

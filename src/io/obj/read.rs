@@ -12,9 +12,9 @@ use super::super::{
 /// An OBJ file as it was read.
 #[derive(Clone, Debug)]
 pub(in crate::io) struct ObjDocument {
-    source: Vec<u8>,
+    pub(super) source: Vec<u8>,
     /// For each vertex, where its coordinates start.
-    coordinate_offsets: Vec<[usize; 3]>,
+    pub(super) coordinate_offsets: Vec<[usize; 3]>,
 }
 
 impl ObjDocument {
@@ -32,8 +32,8 @@ impl ObjDocument {
 /// Parses a whole file. An error comes with its line.
 pub(in crate::io) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Option<usize>, ReadErrorKind)> {
     let mut parser = Parser::default();
-    let text = source.strip_prefix(b"\xef\xbb\xbf".as_slice()).unwrap_or(&source);
-    let skipped = source.len() - text.len();
+    let skipped = mark_length(&source);
+    let text = &source[skipped..];
     for (line, mut tokens) in LogicalLines::new(text) {
         parser.line(line, &mut tokens).map_err(|kind| (Some(line), kind))?;
     }
@@ -43,6 +43,12 @@ pub(in crate::io) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Op
     }
     let Parser { positions, uv_coordinates, polygons, coordinate_offsets, .. } = parser;
     Ok((Parsed { positions, uv_coordinates, polygons }, ObjDocument { source, coordinate_offsets }))
+}
+
+/// Length of the byte order mark at the start of a text.
+pub(super) fn mark_length(source: &[u8]) -> usize {
+    const MARK: &[u8] = b"\xef\xbb\xbf";
+    if source.starts_with(MARK) { MARK.len() } else { 0 }
 }
 
 #[derive(Default)]
