@@ -24,8 +24,8 @@ const CONTACT_ROUNDS: usize = 2;
 const CONTACT_GAP: f64 = 0.3;
 /// How often a motion that helps nothing is halved.
 const HALVINGS: usize = 3;
-/// Motions are damped round what they would crush, half as much in each of these rounds.
-const DAMPING_ROUNDS: usize = 8;
+/// Motions are damped round what they would crush: half as much in each of so many rounds, then not at all in so many more.
+const DAMPING_ROUNDS: [usize; 2] = [3, 7];
 /// Rings over which the damping fades out.
 const DAMPING_RINGS: u32 = 6;
 
@@ -93,7 +93,7 @@ impl Candidate {
     pub(super) fn attempt(&mut self, trial: &Trial<'_>, attempt: Try) {
         self.usable = false;
         for round in 0..=CONTACT_ROUNDS {
-            if !self.solver.solve(&trial.body, attempt.stiffness, attempt.tolerated, &self.goals) {
+            if !self.solver.solve(&trial.body, attempt.stiffness, attempt.tolerated, &self.goals, round > 0) {
                 return;
             }
             self.limit(trial);
@@ -167,7 +167,8 @@ impl Candidate {
         self.step.positions.extend_from_slice(before);
         self.damping.clear();
         self.damping.resize(vertices.len(), 1.0);
-        for round in 0..=DAMPING_ROUNDS + 1 {
+        let [halving, stopping] = DAMPING_ROUNDS;
+        for round in 0..=halving + stopping + 1 {
             for (slot, &vertex) in vertices.iter().enumerate() {
                 let point = before[vertex.index()] + self.solver.motion[slot] * self.damping[slot];
                 self.step.positions[vertex.index()] = if trial.single_precision { rounded(point) } else { point };
@@ -178,8 +179,8 @@ impl Candidate {
             if self.front.is_empty() {
                 break;
             }
-            if round < DAMPING_ROUNDS {
-                self.damp(trial);
+            if round < halving + stopping {
+                self.damp(trial, if round < halving { 0.5 } else { 0.0 });
             } else {
                 // The last resort: nothing moves in these clusters.
                 let mut stays = vec![false; trial.clusters.len() + 1];
@@ -195,11 +196,11 @@ impl Candidate {
         }
     }
 
-    /// Halves the motion in the vertices of `front`, and from there outwards damps it ever less.
-    fn damp(&mut self, trial: &Trial<'_>) {
+    /// Damps the motion in the vertices of `front` by a factor, and from there outwards ever less.
+    fn damp(&mut self, trial: &Trial<'_>, factor: f64) {
         let Trial { scene: Scene { mesh, .. }, body, .. } = *trial;
         for &slot in &self.front {
-            self.damping[slot] *= 0.5;
+            self.damping[slot] *= factor;
         }
         let mut first = 0;
         for _ in 0..DAMPING_RINGS {
