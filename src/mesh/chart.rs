@@ -22,7 +22,9 @@ impl Chart {
             let corners = corners(face);
             is_chart[piece.index()] &= area(corners).abs() > 0.0;
             for (vertex, corner) in mesh.face(face).into_iter().zip(corners) {
-                is_chart[piece.index()] &= *places[vertex.index()].get_or_insert(corner) == corner;
+                // One place, to the bit, in all faces.
+                let [u, v] = *places[vertex.index()].get_or_insert(corner);
+                is_chart[piece.index()] &= u.to_bits() == corner[0].to_bits() && v.to_bits() == corner[1].to_bits();
                 // Pieces that meet in a vertex have charts that know nothing of each other.
                 let first = *piece_of_vertex[vertex.index()].get_or_insert(piece);
                 if first != piece {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{domain::Domain, orient::Orientation};
+use super::orient::Orientation;
 use crate::{
     analysis::Analysis,
     correspond::{Correspondences, MaterialPoint, PathCorrespondence, mean_edge_length},
@@ -61,6 +61,10 @@ impl Goals {
         &self.terms[start..self.ends[goal]]
     }
 
+    pub(super) fn wanted_m(&self, goal: usize) -> f64 {
+        self.wanted_m[goal]
+    }
+
     /// All vertices that goals speak of, some of them several times.
     pub(super) fn vertices(&self) -> impl Iterator<Item = VertexId> + '_ {
         self.terms.iter().map(|&(vertex, _)| vertex)
@@ -85,13 +89,12 @@ impl Goals {
                 (Aim::Normal, Ok(index)) => self.part(scene, &scene.found.paths[index], false),
                 (Aim::Target, Ok(index)) => self.part(scene, &scene.found.paths[index], true),
                 (Aim::Normal | Aim::Target, Err(_)) if has(path.partner).is_ok() => {}
+                // What concerns both paths of a pair is said once.
+                _ if copy > path.partner => {}
                 (Aim::Normal | Aim::Target, Err(_)) if path.path_type == PathType::BoundaryInside => {
-                    if copy < path.partner {
-                        self.slide(scene, copy);
-                    }
+                    self.slide(scene, copy);
                 }
-                _ if copy <= path.partner => self.shorten(scene, copy),
-                _ => {}
+                _ => self.shorten(scene, copy),
             }
         }
     }
@@ -266,41 +269,4 @@ impl Goals {
         self.wanted_m.push(wanted_m);
         self.copies.push(copy);
     }
-
-    /// The goals in the numbers of a domain; what must not move is left out.
-    pub(super) fn localise(&self, domain: &Domain, local: &mut LocalGoals) {
-        local.ends.clear();
-        local.terms.clear();
-        local.wanted_m.clone_from(&self.wanted_m);
-        for goal in 0..self.len() {
-            let here = |&(vertex, coefficient): &(VertexId, Vector3<f64>)| Some((domain.local(vertex)?, coefficient));
-            local.terms.extend(self.row(goal).iter().filter_map(here));
-            local.ends.push(local.terms.len());
-        }
-    }
-}
-
-/// Goals on the motion of a domain.
-#[derive(Debug, Default)]
-pub(super) struct LocalGoals {
-    ends: Vec<usize>,
-    terms: Vec<(usize, Vector3<f64>)>,
-    wanted_m: Vec<f64>,
-}
-
-impl LocalGoals {
-    /// Terms and wanted distance of each goal.
-    pub(super) fn rows(&self) -> impl Iterator<Item = (&[(usize, Vector3<f64>)], f64)> {
-        let mut start = 0;
-        self.ends.iter().zip(&self.wanted_m).map(move |(&end, &wanted_m)| {
-            let row = &self.terms[start..end];
-            start = end;
-            (row, wanted_m)
-        })
-    }
-}
-
-/// The left-hand side of a goal.
-pub(super) fn reached(row: &[(usize, Vector3<f64>)], motion: &[Vector3<f64>]) -> f64 {
-    row.iter().map(|(local, coefficient)| coefficient.dot(&motion[*local])).sum()
 }

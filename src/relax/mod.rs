@@ -2,15 +2,21 @@
 
 mod candidate;
 mod clusters;
+mod coupled;
 mod domain;
 mod goals;
 mod guard;
+mod local;
 mod motion;
 mod orient;
+mod plan;
+mod settle;
 mod shape;
 mod solver;
 
 use std::ops::ControlFlow;
+
+pub use coupled::CoupledStep;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

@@ -7,7 +7,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{
-    goals::{Goals, LocalGoals, reached},
+    goals::Goals,
+    local::{LocalGoals, reached},
     shape::{Body, Stiffness},
 };
 
@@ -58,7 +59,7 @@ impl MotionSolver {
         again: bool,
     ) -> bool {
         let size = body.domain.vertices().len();
-        goals.localise(body.domain, &mut self.goals);
+        self.goals.set(goals, body.domain);
         if !again {
             self.motion.clear();
             self.emphasis.clear();

@@ -6,13 +6,14 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    BlockedPath, Iteration, Method, Quality, RelaxError, RelaxSettings, Relaxation,
+    BlockedPath, Iteration, Method, RelaxError, RelaxSettings, Relaxation,
     candidate::{Candidate, Trial, Try, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
-    goals::{Aim, Goals, Scene},
+    goals::{Goals, Scene},
     guard::Guard,
     orient::Orientation,
+    plan::{PLANS, Plan, tries},
     shape::{Body, Shape},
 };
 use crate::{
@@ -29,23 +30,8 @@ const RINGS: usize = 14;
 const MEMORY: f64 = 0.3;
 /// Gives up after so many iterations without a better state.
 const PATIENCE: usize = 5;
-/// Motions of one iteration stiffen edges that change their length by more than this factor, in the careful kind of motion.
-const TOLERATED: f64 = 1.08;
 /// Iterations that bring back the shape once nothing intersects any more.
 const SETTLINGS: usize = 4;
-/// Gap that is kept while the shape comes back, in mean edge lengths.
-const SETTLED_GAP: f64 = 0.2;
-/// Strains below this logarithm are left alone.
-const SMALL_STRAIN: f64 = 0.05;
-
-/// Which aim is tried first. Where one order ends stuck, the next begins again from the input.
-#[derive(Clone, Copy, Debug)]
-enum Plan {
-    NormalFirst,
-    TargetFirst,
-}
-
-const PLANS: [Plan; 2] = [Plan::NormalFirst, Plan::TargetFirst];
 
 /// Why iterations ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,25 +50,25 @@ struct Best {
 
 /// One relaxation under way.
 pub(super) struct Relaxer<'a> {
-    mesh: &'a Mesh,
-    settings: &'a RelaxSettings,
-    analysis_settings: Settings,
-    frame: Frame,
-    shape: Shape,
-    guard: Guard,
-    orientation: Orientation,
-    analyser: Analyser,
-    correspondent: Correspondent,
+    pub(super) mesh: &'a Mesh,
+    pub(super) settings: &'a RelaxSettings,
+    pub(super) analysis_settings: Settings,
+    pub(super) frame: Frame,
+    pub(super) shape: Shape,
+    pub(super) guard: Guard,
+    pub(super) orientation: Orientation,
+    pub(super) analyser: Analyser,
+    pub(super) correspondent: Correspondent,
     clusters: Clusters,
-    domain: Domain,
-    candidates: Vec<Candidate>,
-    spared: Vec<bool>,
-    now: Vec<Tangle>,
+    pub(super) domain: Domain,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) spared: Vec<bool>,
+    pub(super) now: Vec<Tangle>,
     /// What was parted so far, and is to stay apart.
-    parted: Goals,
+    pub(super) parted: Goals,
     /// The clusters of the first state, which say what moves together while the shape comes back.
-    first_clusters: Clusters,
-    edge_length_m: f64,
+    pub(super) first_clusters: Clusters,
+    pub(super) edge_length_m: f64,
     history: Vec<Iteration>,
 }
 
@@ -196,7 +182,7 @@ impl<'a> Relaxer<'a> {
         self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
     }
 
-    fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
+    pub(super) fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
         self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
         self.analyse();
         Ok(())
@@ -263,77 +249,6 @@ impl<'a> Relaxer<'a> {
         let most = (1..3).fold(0, |best, aim| if gains[aim] > gains[best] { aim } else { best });
         Ok(([Method::Push, Method::Rbf, Method::Contour][most], stuck))
     }
-
-    /// Brings back some of the input's shape, with what was parted held apart. False if that was not possible, or not needed.
-    fn settle(&mut self) -> Result<bool, RelaxError> {
-        let Self { mesh, frame, domain, candidates, .. } = self;
-        let mesh = *mesh;
-        let clusters = &self.first_clusters;
-        let moved = mesh.vertex_ids().filter(|&vertex| self.shape.position(vertex) != frame.position(vertex));
-        domain.grow(mesh, moved, 2);
-        let mut strains = vec![0.0f64; clusters.len() + 1];
-        for &vertex in domain.vertices() {
-            let strain = &mut strains[clusters.of(vertex).unwrap_or(clusters.len())];
-            for &edge in mesh.vertex_edges(vertex) {
-                *strain = strain.max(self.guard.stretch(mesh, frame.positions(), edge).ln().abs());
-            }
-        }
-        if strains.iter().all(|&strain| strain < SMALL_STRAIN) {
-            return Ok(false);
-        }
-        let analysis = self.analyser.last();
-        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
-        self.spared.clear();
-        self.spared.resize(mesh.num_vertices(), false);
-        self.now.clear();
-        self.now.resize(clusters.len() + 1, Tangle::default());
-        let trial = Trial {
-            scene: Scene { mesh, frame, analysis, found, orientation: &self.orientation },
-            body: Body { mesh, frame, shape: &self.shape, domain, memory: 1.0 },
-            clusters,
-            guard: &self.guard,
-            spared: &self.spared,
-            now: &self.now,
-            edge_length_m: self.edge_length_m,
-            single_precision: self.settings.single_precision,
-        };
-        let tries = [16.0, 256.0].map(|stiffness| Try { aim: Aim::Normal, stiffness, tolerated: TOLERATED });
-        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
-        let candidates = &mut candidates[..tries.len()];
-        let parted = &self.parted;
-        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
-            candidate.goals.clear();
-            candidate.goals.hold(parted, frame);
-            candidate.goals.stay_apart(frame, SETTLED_GAP * trial.edge_length_m);
-            candidate.attempt(&trial, *attempt);
-        });
-        let mut positions = frame.positions().to_vec();
-        let choice: Vec<Option<usize>> = (0..=clusters.len())
-            .map(|cluster| {
-                let mut best = (0.98 * strains[cluster], None);
-                for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
-                    let state = &candidate.best;
-                    if state.tangles[cluster].is_none() && state.strains[cluster] < best.0 {
-                        best = (state.strains[cluster], Some(index));
-                    }
-                }
-                best.1
-            })
-            .collect();
-        for &vertex in domain.vertices() {
-            if let Some(index) = choice[clusters.of(vertex).unwrap_or(clusters.len())] {
-                positions[vertex.index()] = candidates[index].best.positions[vertex.index()];
-            }
-        }
-        let before = frame.positions().to_vec();
-        self.set_frame(&positions)?;
-        if self.analyser.last().intersections.edge_face.is_empty() {
-            return Ok(choice.iter().any(Option::is_some));
-        }
-        // Clusters that moved differently met at their borders.
-        self.set_frame(&before)?;
-        Ok(false)
-    }
 }
 
 /// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
@@ -349,32 +264,6 @@ fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change:
         }
     }
     best.2
-}
-
-/// The motions that are tried; `widen` adds those of the other aims.
-fn tries(plan: Plan, quality: Quality, widen: bool) -> Vec<Try> {
-    let (first, others) = match plan {
-        Plan::NormalFirst => (Aim::Normal, [Aim::Target, Aim::Shorten]),
-        Plan::TargetFirst => (Aim::Target, [Aim::Normal, Aim::Shorten]),
-    };
-    let stiffnesses: &[f64] = if quality == Quality::Fast { &[16.0] } else { &[1.0, 16.0, 256.0] };
-    let mut tries = Vec::new();
-    for &stiffness in stiffnesses {
-        for tolerated in [f64::INFINITY, TOLERATED] {
-            tries.push(Try { aim: first, stiffness, tolerated });
-        }
-    }
-    if widen {
-        for stiffness in [1.0, 16.0, 256.0] {
-            for aim in others {
-                tries.push(Try { aim, stiffness, tolerated: f64::INFINITY });
-                if quality == Quality::Accurate {
-                    tries.push(Try { aim, stiffness, tolerated: TOLERATED });
-                }
-            }
-        }
-    }
-    tries
 }
 
 /// Marks where the sheets are to pass through each other: along the paths and inside of them.
