@@ -28,6 +28,8 @@ use crate::{
 const RINGS: usize = 14;
 /// From the second iteration on, edges are drawn this far towards their shape in the input.
 const MEMORY: f64 = 0.3;
+/// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
+const LARGE_STRAIN: f64 = 0.25;
 /// Gives up after so many iterations without a better state.
 const PATIENCE: usize = 5;
 /// Iterations that bring back the shape once nothing intersects any more.
@@ -108,6 +110,7 @@ impl<'a> Relaxer<'a> {
         let mut interrupted = false;
         let mut reason = "";
         for (index, plan) in PLANS.into_iter().enumerate() {
+            self.analysis_settings.inside = plan.inside;
             if index > 0 {
                 self.parted.clear();
                 self.set_frame(&input)?;
@@ -167,7 +170,7 @@ impl<'a> Relaxer<'a> {
             if impatience > PATIENCE {
                 break;
             }
-            let tries = tries(plan, self.settings.quality, widen || impatience > 0);
+            let tries = tries(plan.aim, self.settings.quality, widen || impatience > 0);
             let memory = if iteration == 0 { 0.0 } else { MEMORY };
             let (method, stuck) = self.iterate(&tries, memory, impatience > 0)?;
             widen = stuck;
@@ -257,7 +260,8 @@ fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change:
     let must_change = must_change && !now[cluster].is_none();
     let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
     for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
-        let (merit, strain) = (candidate.best.tangles[cluster].merit(), candidate.best.strains[cluster]);
+        let strain = candidate.best.strains[cluster];
+        let merit = candidate.best.tangles[cluster].merit() * (1.0 + (strain - LARGE_STRAIN).max(0.0));
         let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
         if merit < best.0 || (merit <= best.0 && calmer) {
             best = (merit, strain, Some(index));
