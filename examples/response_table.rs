@@ -96,7 +96,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (name, path_type) in SCENES {
             let scene: Scene = name.parse()?;
             for seed in 1..=seeds {
-                let label = format!("{name} ({path_type})") + &if seeds > 1 { format!(" #{seed}") } else { String::new() };
+                let label =
+                    format!("{name} ({path_type})") + &if seeds > 1 { format!(" #{seed}") } else { String::new() };
                 for method in METHODS {
                     print_row(&label, method.name, &run(scene.build(seed, edge_m), 9.81, method, most)?, markdown);
                 }
@@ -104,7 +105,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for file in files {
-        let label = Path::new(&file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
+        let label =
+            Path::new(&file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
         for method in METHODS {
             match obj::read(Path::new(&file)).map_err(Box::from).and_then(|cloth| run(cloth, 0.0, method, most)) {
                 Ok(run) => print_row(&label, method.name, &run, markdown),
@@ -125,10 +127,18 @@ fn print_head(markdown: bool, most: usize, edge_m: f64) {
     }
     println!("# What corrections do in a simulator with self-contact\n");
     println!("Made by `cargo run --release --example response_table -- --markdown > docs/RESPONSE.md`; do not edit.\n");
-    println!("Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. `before` and `after` are");
-    println!("edge-face hits by its exact check, which shares no code with the untangler; `steps` is the number of steps to the first clean state,");
-    println!("`held` whether the next {HELD} were clean too, `stretch` the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and");
-    println!("response of a tangled step, on one machine and to be compared within the table only. `coupled` is not part of a session yet.\n");
+    println!(
+        "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. `before` and `after` are"
+    );
+    println!(
+        "edge-face hits by its exact check, which shares no code with the untangler; `steps` is the number of steps to the first clean state,"
+    );
+    println!(
+        "`held` whether the next {HELD} were clean too, `stretch` the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and"
+    );
+    println!(
+        "response of a tangled step, on one machine and to be compared within the table only. `coupled` is not part of a session yet.\n"
+    );
     println!("| scene | method | before | steps | held | after | stretch | ms/step |");
     println!("|---|---|---|---|---|---|---|---|");
 }
@@ -171,10 +181,7 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<R
     let mesh = Mesh::new(MeshDescription {
         num_vertices: cloth.positions.len(),
         faces: cloth.triangles.clone(),
-        uvs: cloth
-            .uvs
-            .as_ref()
-            .map(|uvs| Uvs { coordinates: uvs.coordinates.clone(), corners: uvs.corners.clone() }),
+        uvs: cloth.uvs.as_ref().map(|uvs| Uvs { coordinates: uvs.coordinates.clone(), corners: uvs.corners.clone() }),
         rest_positions: Some(cloth.rest_positions.iter().map(|&position| position.into()).collect()),
         masses_kg: Some(solver.masses_kg().to_vec()),
         pins: cloth.pins.clone(),
@@ -183,15 +190,8 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<R
     let mesh = Arc::new(mesh);
     let settings = Settings { response: method.response, ..Settings::default() };
     let mut untangler = Untangler::new(mesh, settings)?;
-    let mut run = Run {
-        before: 0,
-        steps: None,
-        held: true,
-        after: 0,
-        stretch: 1.0,
-        untangler: Duration::ZERO,
-        busy_steps: 0,
-    };
+    let mut run =
+        Run { before: 0, steps: None, held: true, after: 0, stretch: 1.0, untangler: Duration::ZERO, busy_steps: 0 };
     let (mut velocities, mut displacements, mut no_contact) = (Vec::new(), Vec::new(), Vec::new());
     for step in 0..=most {
         let points = solver.cloth().points();
@@ -227,9 +227,8 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<R
             }
         }
         if method.mask {
-            let mask = |flags: &VertexFlags| {
-                flags.contains(VertexFlags::INSIDE) || flags.contains(VertexFlags::NEAR_PATH)
-            };
+            let mask =
+                |flags: &VertexFlags| flags.contains(VertexFlags::INSIDE) || flags.contains(VertexFlags::NEAR_PATH);
             no_contact.extend(corrections.flags.iter().map(mask));
         }
         solver.step(

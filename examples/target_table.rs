@@ -50,7 +50,7 @@ const CURVES: [Curve; 5] = [
     Curve {
         name: "CLOSED, an ellipse off the crease",
         path_type: PathType::Closed,
-        level: |size, phi, v| ((phi - 0.55) / (0.35 * size)).powi(2) + (v / (0.6 * size)).powi(2) - 1.0,
+        level: |size, phi, v| ((phi - 0.5) / (0.3 * size)).powi(2) + (v / (0.6 * size)).powi(2) - 1.0,
         flap: |_| [HALF_M, HALF_M],
     },
     Curve {
@@ -188,13 +188,33 @@ fn measure(sheet: &Sheet, curve: &Curve, edge_m: f64) -> Option<Row> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let markdown = env::args().any(|argument| argument == "--markdown");
-    let heading = ["path", "edge", "chart from", "laid", "length", "centres", "targets", "median", "max", "residual", "condition"];
+    let heading = [
+        "path",
+        "edge",
+        "chart from",
+        "laid",
+        "length",
+        "centres",
+        "targets",
+        "median",
+        "max",
+        "residual",
+        "condition",
+    ];
     if markdown {
         println!("# How near targets come to the truth\n");
-        println!("Made by `cargo run --release --example target_table -- --markdown > docs/TARGETS.md`; do not edit.\n");
-        println!("On folded sheets the target of (u, v) is (-u, v). `edge` is the edge length in metres; `length` of the path, `median` and `max`");
-        println!("distance of a target from the true one, and `residual`, by how much the fit misses the path between its centres, are in edge");
-        println!("lengths. A chart is unfolded, or relaxed where its faces don't fit together in the plane. The chart from current lengths can't know");
+        println!(
+            "Made by `cargo run --release --example target_table -- --markdown > docs/TARGETS.md`; do not edit.\n"
+        );
+        println!(
+            "On folded sheets the target of (u, v) is (-u, v). `edge` is the edge length in metres; `length` of the path, `median` and `max`"
+        );
+        println!(
+            "distance of a target from the true one, and `residual`, by how much the fit misses the path between its centres, are in edge"
+        );
+        println!(
+            "lengths. A chart is unfolded, or relaxed where its faces don't fit together in the plane. The chart from current lengths can't know"
+        );
         println!("how the fold has stretched the sheet; the truth it is measured against is that of the flat one.\n");
         println!("| {} |", heading.join(" | "));
         println!("|{}", "---|".repeat(heading.len()));

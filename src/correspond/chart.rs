@@ -9,7 +9,7 @@ use super::{
     material::weights_in,
     motion::Motion,
     patch::Patch,
-    relax::relax,
+    relax::Relaxation,
     shapes::{self, Shape, ShapeSource},
     unfold::Unfolding,
 };
@@ -50,6 +50,7 @@ pub(crate) struct Chart {
     is_cut: bool,
     /// Takes the chart to the next of its copies beyond the cut.
     period: Option<Motion>,
+    relaxation: Relaxation,
     locator: Locator,
     has_point: Vec<bool>,
 }
@@ -77,7 +78,8 @@ impl Chart {
             return None;
         }
         self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open(mesh);
-        let relaxed = self.unfolding.misfit > LARGEST_MISFIT && relax(&self.patch, &self.shapes, &mut self.unfolding);
+        let relaxed = self.unfolding.misfit > LARGEST_MISFIT
+            && self.relaxation.relax(&self.patch, &self.shapes, &mut self.unfolding);
         self.scale_to_metres(frame)?;
         self.period = if self.is_cut { self.fit_period() } else { None };
         self.index(mesh);
@@ -112,7 +114,11 @@ impl Chart {
         };
         let across = |bank: &[[Point2<f64>; 2]; 2]| bank[1][0] - bank[0][0] + (bank[1][1] - bank[0][1]);
         let first = self.cut.edges.first().map_or_else(Vector2::zeros, |edge| across(&bank(edge)));
-        self.cut.edges.iter().map(bank).map(move |bank| if across(&bank).dot(&first) < 0.0 { [bank[1], bank[0]] } else { bank })
+        self.cut
+            .edges
+            .iter()
+            .map(bank)
+            .map(move |bank| if across(&bank).dot(&first) < 0.0 { [bank[1], bank[0]] } else { bank })
     }
 
     /// By how much the cut gapes, in lengths of its edges.
@@ -167,7 +173,12 @@ impl Chart {
     }
 
     fn reached(&self) -> impl Iterator<Item = (&[u32; 3], usize)> {
-        self.patch.corners().iter().enumerate().filter(|&(face, _)| self.unfolding.is_reached(face)).map(|(f, c)| (c, f))
+        self.patch
+            .corners()
+            .iter()
+            .enumerate()
+            .filter(|&(face, _)| self.unfolding.is_reached(face))
+            .map(|(f, c)| (c, f))
     }
 
     fn index(&mut self, mesh: &Mesh) {

@@ -134,7 +134,8 @@ impl Correspondent {
         let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
         let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
 
-        let residual_m = fit(&mut self.centres, &mut self.plate, &self.track, sides, edge_length_m, is_joint, settings)?;
+        let residual_m =
+            fit(&mut self.centres, &mut self.plate, &self.track, sides, edge_length_m, is_joint, settings)?;
         // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
         let share = if partner_region.is_some() && !is_joint { 0.5 } else { 1.0 };
         let (first_pull, first_parting) = (self.correspondences.pulls.len(), self.correspondences.partings.len());
@@ -156,6 +157,7 @@ impl Correspondent {
             copy,
             own_chart,
             partner_chart,
+            round: self.track.own.period.is_some() && self.track.partner.period.is_some(),
             num_centres: self.centres.from.len(),
             rank_deficiency: self.centres.from.len() + 3 - self.plate.rank(),
             condition: self.plate.condition(),
@@ -178,7 +180,12 @@ fn fit(
     settings: &Settings,
 ) -> Option<f64> {
     let more = |count: usize| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "small counts")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "small counts"
+        )]
         let more = (count as f64 * track.sampled_part()).ceil() as usize;
         more
     };

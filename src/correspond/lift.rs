@@ -77,7 +77,13 @@ impl Lift {
     }
 
     /// The corner of a face at which a path point lies, as it lies beside that point.
-    pub(crate) fn corners(&self, chart: &Chart, segments: &[PathSegment], sheet: Sheet, index: usize) -> Option<(FaceId, [Point2<f64>; 3])> {
+    pub(crate) fn corners(
+        &self,
+        chart: &Chart,
+        segments: &[PathSegment],
+        sheet: Sheet,
+        index: usize,
+    ) -> Option<(FaceId, [Point2<f64>; 3])> {
         let segment = index.min(segments.len() - 1);
         let face = sheet.face(&segments[segment]);
         Some((face, chart.corners(face)?.map(|corner| self.motions[segment].apply(corner))))

@@ -118,7 +118,8 @@ impl Patch {
                 for corner in [side, (side + 1) % 3] {
                     let vertex = self.corners[face][corner];
                     let other = if self.corners[next][there] == vertex { there } else { (there + 1) % 3 };
-                    let (a, b) = (root(&mut self.sectors, 3 * face + corner), root(&mut self.sectors, 3 * next + other));
+                    let (a, b) =
+                        (root(&mut self.sectors, 3 * face + corner), root(&mut self.sectors, 3 * next + other));
                     self.sectors[a.max(b)] = small(a.min(b));
                 }
             }

@@ -177,10 +177,11 @@ impl Solver {
         let block = recommended_block_size::<f64>(size, size);
         self.reflections.clear();
         self.reflections.resize(block * size, 0.0);
-        let stack = self.memory.stack(
-            qr_in_place_scratch::<usize, f64>(size, size, block, Par::Seq, faer::Spec::default())
-                .or(apply_block_householder_sequence_transpose_on_the_left_in_place_scratch::<f64>(size, block, 2)),
-        );
+        let stack =
+            self.memory
+                .stack(qr_in_place_scratch::<usize, f64>(size, size, block, Par::Seq, faer::Spec::default()).or(
+                    apply_block_householder_sequence_transpose_on_the_left_in_place_scratch::<f64>(size, block, 2),
+                ));
         qr_in_place(
             MatMut::from_column_major_slice_mut(&mut self.matrix, size, size),
             MatMut::from_column_major_slice_mut(&mut self.reflections, block, size),

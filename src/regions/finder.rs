@@ -76,8 +76,7 @@ impl RegionFinder {
         let region = divide(&mut self.flood, scene, points, &|_| true, &|_| None, false, regions);
         if region.partitioning {
             regions.by_copy[first] = Some(InsideRegion { joint: true, ..region });
-            regions.by_copy[second] =
-                Some(InsideRegion { partitioning: true, joint: true, ..InsideRegion::default() });
+            regions.by_copy[second] = Some(InsideRegion { partitioning: true, joint: true, ..InsideRegion::default() });
         }
     }
 
@@ -105,13 +104,7 @@ impl RegionFinder {
     }
 
     /// The inside of one path; with `turned` the side that it would not choose.
-    fn partition(
-        &mut self,
-        scene: &Scene<'_>,
-        copy: usize,
-        turned: bool,
-        regions: &mut InsideRegions,
-    ) -> InsideRegion {
+    fn partition(&mut self, scene: &Scene<'_>, copy: usize, turned: bool, regions: &mut InsideRegions) -> InsideRegion {
         self.flood.begin(scene.mesh);
         self.cross_edges(scene.paths, &scene.paths.copies[copy]);
         let points = &scene.paths.points[scene.paths.copies[copy].points.clone()];

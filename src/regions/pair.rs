@@ -38,7 +38,8 @@ impl Shore {
             let points = &scene.paths.points[copy.points.clone()];
             let longest = (copy.segments.len() / LONGEST_DETOUR).max(1);
             let mut hem = |place: Option<&SurfacePoint>| self.hem(scene.mesh, *place?, longest, index);
-            let (start, end) = (hem(points.first().map(|point| &point.own)), hem(points.last().map(|point| &point.own)));
+            let (start, end) =
+                (hem(points.first().map(|point| &point.own)), hem(points.last().map(|point| &point.own)));
             start.zip(end).is_some_and(|(start, end)| !on_one_boundary(scene.mesh, start, end))
         })
     }
