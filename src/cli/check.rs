@@ -5,7 +5,7 @@ mod report;
 mod tests;
 
 use std::{
-    fs::{self, File},
+    fs::File,
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
     time::Instant,
@@ -17,10 +17,11 @@ pub use report::Report;
 
 use crate::{
     analysis::{Analyser, Analysis, Stage, StageObserver},
-    cli::Outcome,
-    frame::{Frame, FrameError},
-    io::{FileFormat, ReadError, ReadErrorKind, World, concatenate, read_mesh, write_contours_obj, write_contours_ply},
-    mesh::{Mesh, MeshError},
+    cli::{
+        Outcome,
+        input::{self, Input, InputError, is_same_file},
+    },
+    io::{FileFormat, write_contours_obj, write_contours_ply},
     settings::Settings,
 };
 use report::StageTimes;
@@ -47,33 +48,9 @@ pub struct CheckArgs {
 /// Why a check could not be done.
 #[derive(Debug, Error)]
 pub enum CheckError {
-    /// A file can't be read.
+    /// The files are no world that can be analysed.
     #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The files together can't be put into one world.
-    #[error("{files}: {source}")]
-    World {
-        /// The files.
-        files: String,
-        /// What is wrong.
-        source: ReadErrorKind,
-    },
-    /// What was read is no mesh that can be analysed.
-    #[error("{files}: {source}")]
-    Mesh {
-        /// The files.
-        files: String,
-        /// What is wrong.
-        source: MeshError,
-    },
-    /// A coordinate is beyond the range of exact arithmetic.
-    #[error("{}: {source}", path.display())]
-    Frame {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong; vertices counted from 0 in this file.
-        source: FrameError,
-    },
+    Input(#[from] InputError),
     /// `--contours` names neither OBJ nor PLY.
     #[error("{}: contours are written as .obj or .ply", .0.display())]
     ContoursFormat(PathBuf),
@@ -118,24 +95,11 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
-    let meshes = files.iter().map(read_mesh).collect::<Result<Vec<_>, _>>()?;
+    let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
-    let names = || files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-    let world = concatenate(&meshes).map_err(|source| CheckError::World { files: names(), source })?;
+    let world = input::join(files, &meshes)?;
+    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
     drop(meshes);
-    let World { description, positions, file_vertices, .. } = world;
-    let mesh = Mesh::new(description).map_err(|source| CheckError::Mesh { files: names(), source })?;
-    let frame = Frame::new(&mesh, &positions).map_err(|source| {
-        let FrameError::Coordinate { vertex, axis, value } = source else {
-            return CheckError::Frame { path: names().into(), source };
-        };
-        let (path, range) = files
-            .iter()
-            .zip(&file_vertices)
-            .find(|(_, range)| range.contains(&vertex))
-            .map_or((PathBuf::new(), 0..0), |(path, range)| (path.clone(), range.clone()));
-        CheckError::Frame { path, source: FrameError::Coordinate { vertex: vertex - range.start, axis, value } }
-    })?;
     let mut analyser = Analyser::default();
     let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
     let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
@@ -151,15 +115,6 @@ fn contours_format(path: &Path, inputs: &[PathBuf]) -> Result<FileFormat, CheckE
         return Err(CheckError::ContoursOverInput(path.to_path_buf()));
     }
     Ok(format)
-}
-
-/// Whether two names, however spelt or linked, are one existing file.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    match (fs::metadata(a), fs::metadata(b)) {
-        (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
-        _ => false,
-    }
 }
 
 fn write_contours(path: &Path, format: FileFormat, analysis: &Analysis) -> io::Result<()> {

@@ -3,6 +3,8 @@
 pub mod check;
 mod config;
 pub mod demo;
+pub mod fix;
+pub mod input;
 pub mod picture;
 mod serve;
 mod status;
@@ -42,6 +44,7 @@ enum Command {
     /// Print the effective configuration, each key explained.
     Config(config::ConfigArgs),
     Check(check::CheckArgs),
+    Fix(fix::FixArgs),
     Demo(demo::DemoArgs),
     /// Simulate a cloth as the example host does; `demo` starts this as a process of its own.
     #[command(hide = true)]
@@ -57,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Status(args) => status::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Check(args) => check::run(&args).map_err(Into::into),
+        Command::Fix(args) => fix::run(&args).map_err(Into::into),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
         Command::Publish(args) => demo::publish(&args).map_err(Into::into),
     };

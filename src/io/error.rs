@@ -108,6 +108,12 @@ pub enum WriteError {
     /// The file can't be written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+    /// The name of the file does not tell a format.
+    #[error("meshes are written as .obj, .ply, .gltf or .glb")]
+    UnknownFormat,
+    /// glTF holds neither polygons nor several documents, and what it holds beside the geometry is not made up.
+    #[error("glTF is only written from one glTF file; write .obj or .ply")]
+    OnlyFromGltf,
     /// Not one position for each vertex.
     #[error("{given} positions were given for {expected} vertices")]
     Length {
@@ -122,6 +128,16 @@ pub enum WriteError {
         /// The vertex, from 0.
         vertex: usize,
         /// Why.
-        reason: &'static str,
+        reason: String,
+    },
+    /// A line of an OBJ refers to others in a way that is not understood, so its indices can't be changed.
+    #[error("{}:{line}: `{keyword}` can't be joined to other files", path.display())]
+    Join {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// Its first word.
+        keyword: String,
     },
 }

@@ -59,7 +59,7 @@ pub(super) struct Parsed {
 enum Document {
     Obj(obj::ObjDocument),
     Ply(ply::PlyDocument),
-    Gltf,
+    Gltf(gltf::GltfDocument),
 }
 
 /// A mesh file as it was read.
@@ -89,7 +89,8 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
         FileFormat::Obj => obj::parse(bytes).map(|(parsed, document)| (parsed, Document::Obj(document))),
         FileFormat::Ply => ply::parse(bytes).map(|(parsed, document)| (parsed, Document::Ply(document))),
         FileFormat::Gltf => {
-            gltf::parse(&bytes, path.parent()).map(|parsed| (parsed, Document::Gltf)).map_err(|kind| (None, kind))
+            let parsed = gltf::parse(bytes, path.parent()).map_err(|kind| (None, kind));
+            parsed.map(|(parsed, document)| (parsed, Document::Gltf(document)))
         }
     }
     .map_err(error)?;
@@ -121,7 +122,17 @@ impl MeshFile {
         match self.document {
             Document::Obj(_) => FileFormat::Obj,
             Document::Ply(_) => FileFormat::Ply,
-            Document::Gltf => FileFormat::Gltf,
+            Document::Gltf(_) => FileFormat::Gltf,
+        }
+    }
+
+    /// The line in which a vertex stands, from 1, if the file is text.
+    #[must_use]
+    pub fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        match &self.document {
+            Document::Obj(document) => document.line_of_vertex(vertex),
+            Document::Ply(document) => document.line_of_vertex(vertex),
+            Document::Gltf(_) => None,
         }
     }
 
@@ -150,22 +161,92 @@ impl MeshFile {
         &self.faces
     }
 
+    /// The files that it was read from: the one of its [`path`](Self::path), and those that a glTF document links.
+    pub fn source_files(&self) -> impl Iterator<Item = &Path> {
+        let linked = match &self.document {
+            Document::Gltf(document) => Some(document.linked_files()),
+            Document::Obj(_) | Document::Ply(_) => None,
+        };
+        std::iter::once(self.path.as_path()).chain(linked.into_iter().flatten().map(PathBuf::as_path))
+    }
+
+    /// Whether the file can only hold positions of single precision.
+    #[must_use]
+    pub fn is_single_precision(&self) -> bool {
+        match &self.document {
+            Document::Obj(_) => false,
+            Document::Ply(document) => document.is_single_precision(),
+            Document::Gltf(document) => document.is_single_precision(),
+        }
+    }
+
+    /// Vertices that can't have other positions in this file, in ranges, each with the reason.
+    #[must_use]
+    pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
+        match &self.document {
+            Document::Obj(_) => Vec::new(),
+            Document::Ply(document) => {
+                document.fixed().map(|reason| (0..self.positions.len(), reason)).into_iter().collect()
+            }
+            Document::Gltf(document) => document.fixed_vertices().collect(),
+        }
+    }
+
     /// Writes the file back with other positions in metres, `num_vertices x 3`. All else stays byte for byte; where a position
-    /// is what it was, so do its digits. A file that holds single precision gets the nearest single.
+    /// is what it was, so do its digits. A file that holds single precision gets the nearest single. A glTF document with buffers in
+    /// files of their own gets those that changed as `data:` links; it links the others still.
     ///
     /// # Errors
-    /// [`WriteError`] for a wrong number of positions, for a file whose coordinates can't be replaced (integers, glTF), and for what
+    /// [`WriteError`] for a wrong number of positions, for a vertex that moved and is one of [`fixed_vertices`](Self::fixed_vertices), and for what
     /// writing to `out` gives.
     pub fn write_with_positions(&self, positions: &[[f64; 3]], out: &mut dyn Write) -> Result<(), WriteError> {
+        let container = match &self.document {
+            Document::Gltf(document) => document.container(),
+            Document::Obj(_) | Document::Ply(_) => gltf::Container::Text,
+        };
+        self.write_in(positions, container, true, out)
+    }
+
+    /// [`write_with_positions`](Self::write_with_positions) for a name and a folder, which say in what form glTF is written and whether
+    /// links of the document lead from there to where they led before.
+    pub(super) fn write_for(&self, positions: &[[f64; 3]], path: &Path, out: &mut dyn Write) -> Result<(), WriteError> {
+        let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+        let container = match &self.document {
+            // A file may have a name that does not tell what it is, and keep it.
+            Document::Gltf(document) if path.file_name() == self.path.file_name() => document.container(),
+            _ if is_binary => gltf::Container::Binary,
+            _ => gltf::Container::Text,
+        };
+        let folder = |path: &Path| {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            fs::canonicalize(folder.unwrap_or_else(|| Path::new("."))).ok()
+        };
+        let same_folder = folder(path).is_some_and(|there| folder(&self.path) == Some(there));
+        self.write_in(positions, container, same_folder, out)
+    }
+
+    fn write_in(
+        &self,
+        positions: &[[f64; 3]],
+        container: gltf::Container,
+        same_folder: bool,
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
         if positions.len() != self.positions.len() {
             return Err(WriteError::Length { given: positions.len(), expected: self.positions.len() });
         }
         match &self.document {
             Document::Obj(document) => Ok(document.write(&self.positions, positions, out)?),
             Document::Ply(document) => document.write(&self.positions, positions, out),
-            Document::Gltf => {
-                Err(WriteError::FixedCoordinates { vertex: 0, reason: "glTF can only be read; write OBJ or PLY" })
-            }
+            Document::Gltf(document) => document.write(&self.positions, positions, container, same_folder, out),
+        }
+    }
+
+    /// The lines of an OBJ file.
+    pub(super) fn obj_document(&self) -> Option<&obj::ObjDocument> {
+        match &self.document {
+            Document::Obj(document) => Some(document),
+            Document::Ply(_) | Document::Gltf(_) => None,
         }
     }
 }
@@ -179,7 +260,8 @@ fn has_area([a, b, c]: [[f64; 2]; 3]) -> bool {
 /// Several files in one world.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The mesh of all files together. It has texture coordinates if all files have them.
+    /// The mesh of all files together. It has texture coordinates if any file has them; those of the faces of other files are a single
+    /// point, which stands for none.
     pub description: MeshDescription,
     /// Positions in metres, `num_vertices x 3`.
     pub positions: Vec<[f64; 3]>,
@@ -200,7 +282,7 @@ pub fn concatenate(files: &[MeshFile]) -> Result<World, ReadErrorKind> {
         file_vertices: Vec::with_capacity(files.len()),
         file_faces: Vec::with_capacity(files.len()),
     };
-    let with_uvs = files.iter().all(|file| file.uv_faces.is_some());
+    let with_uvs = files.iter().any(|file| file.uv_faces.is_some());
     let mut uvs = Uvs::default();
     let faces = &mut world.description.faces;
     for file in files {
@@ -212,9 +294,14 @@ pub fn concatenate(files: &[MeshFile]) -> Result<World, ReadErrorKind> {
         faces.extend(file.faces.iter().map(|face| face.map(|vertex| vertex + vertex_offset)));
         if with_uvs {
             let uv_offset = u32::try_from(uvs.coordinates.len()).map_err(|_| too_many())?;
-            u32::try_from(uvs.coordinates.len() + file.uv_coordinates.len()).map_err(|_| too_many())?;
-            uvs.coordinates.extend_from_slice(&file.uv_coordinates);
-            uvs.corners.extend(file.uv_faces.iter().flatten().map(|face| face.map(|uv| uv + uv_offset)));
+            u32::try_from(uvs.coordinates.len() + file.uv_coordinates.len() + 1).map_err(|_| too_many())?;
+            if let Some(uv_faces) = &file.uv_faces {
+                uvs.coordinates.extend_from_slice(&file.uv_coordinates);
+                uvs.corners.extend(uv_faces.iter().map(|face| face.map(|uv| uv + uv_offset)));
+            } else {
+                uvs.coordinates.push([0.0; 2]);
+                uvs.corners.extend(file.faces.iter().map(|_| [uv_offset; 3]));
+            }
         }
         world.file_vertices.push(first_vertex..world.positions.len());
         world.file_faces.push(first_face..faces.len());

@@ -11,6 +11,7 @@
 //! | `polygon` | polygons and their triangulation |
 //! | `obj`, `ply`, `gltf` | one format each |
 //! | `mesh_file` | what all formats come down to; several files as one world |
+//! | `output` | which files can become which |
 //! | `contours` | intersection paths as lines for other programs |
 
 mod contours;
@@ -18,6 +19,7 @@ mod error;
 mod gltf;
 mod mesh_file;
 mod obj;
+mod output;
 mod ply;
 mod polygon;
 mod text;
@@ -26,6 +28,7 @@ pub use contours::{write_contours_obj, write_contours_ply};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use mesh_file::{FileFormat, MeshFile, World, concatenate, read_mesh};
 pub use obj::write_obj;
+pub use output::Output;
 pub use ply::write_ply;
 pub use polygon::Polygons;
 

@@ -185,7 +185,7 @@ fn bad_ply_names_what_is_wrong() {
         edit("255 1 0 0.1 0", "255 1 0 inf 0"),
         "bad.ply:19: vertex 3 has coordinate inf; coordinates must be finite"
     );
-    assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 9 8"), "bad.ply: face 0 refers to vertex 9, but only 4 are defined");
+    assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 9 8"), "bad.ply:21: face 0 refers to vertex 9, but only 4 are defined");
     assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 -1 8"), "bad.ply:21: face 0 has `-1` where an index is needed");
     assert_eq!(edit("3 0 1 2 6", "2 0 1 6"), "bad.ply:22: face 1 has 2 corners, at least 3 are needed");
     assert_eq!(edit("property double x", "property double w"), "bad.ply: element `vertex` has no property `x`");
@@ -258,4 +258,87 @@ fn several_files_are_one_world_and_one_file() {
         };
         assert_eq!(flat(&again), flat(uvs));
     }
+}
+
+#[test]
+fn obj_files_join_with_all_their_lines() {
+    let first = read("odd.obj", ODD_OBJ).unwrap();
+    let second = b"\xef\xbb\xbf# second\r\nv 9 0 0\r\nv 9 1 0 # up\r\nv 9 0 1\r\nvn 0 1 0\r\nvn 1 0 0\r\nvt .5 .5\r\nf 1/1/2 2//1 \\\r\n3/1\r\n\
+l 3 2 1\r\np 1 -1\r\nf -3/-1/-2 -2 -1\r\ng own\r\nusemtl own\r\nf 3 2 1 # \\";
+    let second = read("se cond.obj", second).unwrap();
+    let third =
+        read("third.obj", b"o named\ng x\ns 1\nusemtl y\nv 0 0 0\nv 0 0 1\nv 0 1 1\nf 3//1 1 2\nvn 0 0 1\n").unwrap();
+    let files = [first, second, third];
+    let world = concatenate(&files).unwrap();
+    let mut positions = world.positions.clone();
+    positions[6][2] = 0.75;
+    let mut joined = Vec::new();
+    write_obj(&files, &positions, &mut joined).unwrap();
+    let expected = [
+        ODD_OBJ,
+        b"\no se_cond\r\ng default\r\ns off\r\nusemtl none\r\n# second\r\nv 9 0 0\r\nv 9 1 0.75 # up\r\nv 9 0 1\r\nvn 0 1 0\r\nvn 1 0 0\r\n\
+vt .5 .5\r\nf 6/4/3 7//2 \\\r\n8/4\r\nl 8 7 6\r\np 6 -1\r\nf -3/-1/-2 -2 -1\r\ng own\r\nusemtl own\r\nf 8 7 6 # \\\n\n\
+o named\ng x\ns 1\nusemtl y\nv 0 0 0\nv 0 0 1\nv 0 1 1\nf 11//4 9 10\nvn 0 0 1\n",
+    ]
+    .concat();
+    assert_eq!(String::from_utf8_lossy(&joined), String::from_utf8_lossy(&expected));
+    let both = read("both.obj", &joined).unwrap();
+    assert_eq!(both.positions(), positions);
+    assert_eq!(both.faces(), world.description.faces);
+
+    // Curves name what they use in ways of their own.
+    let curved = read("curved.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncurv 0 1 1 2\n").unwrap();
+    write_obj(&[curved.clone(), files[0].clone()], &[], &mut Vec::new()).unwrap();
+    let refused = write_obj(&[files[0].clone(), curved], &[], &mut Vec::new()).unwrap_err().to_string();
+    assert!(refused.ends_with("curved.obj:5: `curv` can't be joined to other files"), "{refused}");
+}
+
+#[test]
+fn names_say_what_is_written() {
+    let obj = read("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# end").unwrap();
+    let ply = read("b.ply", &binary_ply(false, "float")).unwrap();
+    let write = |files: &[MeshFile], name: &str| {
+        let positions: Vec<[f64; 3]> = files.iter().flat_map(MeshFile::positions).copied().collect();
+        let mut bytes = Vec::new();
+        Output::new(files, std::path::Path::new(name))?.write(&positions, &mut bytes)?;
+        Ok::<_, WriteError>(bytes)
+    };
+    let one = std::slice::from_ref(&obj);
+    assert!(write(one, "c.OBJ").unwrap().ends_with(b"f 1 2 3\n# end"));
+    assert!(write(one, "c.ply").unwrap().starts_with(b"ply\nformat binary_little_endian"));
+    assert_eq!(write(std::slice::from_ref(&ply), "c.ply").unwrap(), binary_ply(false, "float"));
+    let mixed = write(&[obj.clone(), ply.clone()], "c.obj").unwrap();
+    assert!(mixed.starts_with(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# end\no b\nv 0 0 0.10000000149011612\n"));
+    assert!(matches!(write(one, "c.stl"), Err(WriteError::UnknownFormat)));
+    for name in ["c.glb", "c.gltf"] {
+        assert!(matches!(write(one, name), Err(WriteError::OnlyFromGltf)));
+    }
+    assert!(Output::new(std::slice::from_ref(&ply), std::path::Path::new("c.ply")).unwrap().is_single_precision());
+    assert!(!Output::new(&[ply.clone(), obj], std::path::Path::new("c.ply")).unwrap().is_single_precision());
+    assert!(!Output::new(std::slice::from_ref(&ply), std::path::Path::new("c.obj")).unwrap().is_single_precision());
+}
+
+#[test]
+fn ply_text_of_single_precision_gets_singles() {
+    let text = ASCII_PLY.replace("double", "float");
+    let mesh = read("a.ply", text.as_bytes()).unwrap();
+    assert!(mesh.is_single_precision());
+    let mut moved = mesh.positions().to_vec();
+    // The same single as 0.1, and another one.
+    moved[3][2] = f64::from(0.1f32);
+    moved[2][2] = 0.3;
+    let written = String::from_utf8(written(&mesh, &moved)).unwrap();
+    assert_eq!(written, text.replace("255 1 1 0 1 3", "255 1 1 0.30000001192092896 1 3"));
+    moved[1][0] = 1e300;
+    let refused = mesh.write_with_positions(&moved, &mut Vec::new()).unwrap_err().to_string();
+    assert_eq!(refused, "vertex 1 can't be moved in this file: it is beyond single precision");
+
+    let integers =
+        read("a.ply", ASCII_PLY.replace("1.50", "2").replace("0.1 0", "1 0").replace("double", "int").as_bytes())
+            .unwrap();
+    assert_eq!(integers.fixed_vertices(), [(0..4, "its coordinates are integers")]);
+    let positions = integers.positions().to_vec();
+    integers.write_with_positions(&positions, &mut Vec::new()).unwrap();
+    let refused = integers.write_with_positions(&moved, &mut Vec::new()).unwrap_err().to_string();
+    assert!(refused.starts_with("vertex 1 can't be moved"), "{refused}");
 }

@@ -139,20 +139,53 @@ pub(super) fn write_replaced(
     after: &[[f64; 3]],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut written = 0;
-    for ((starts, before), after) in tokens.iter().zip(before).zip(after) {
+    write_edited(source, 0, coordinate_edits(source, tokens, before, after), out)
+}
+
+/// A token of a text and what is to stand in its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Edit {
+    /// Where the token starts.
+    pub(super) start: usize,
+    /// Its length in bytes.
+    pub(super) length: usize,
+    /// What replaces it.
+    pub(super) text: Vec<u8>,
+}
+
+/// The edits that [`write_replaced`] makes, in the order of the text.
+pub(super) fn coordinate_edits<'a>(
+    source: &'a [u8],
+    tokens: &'a [[usize; 3]],
+    before: &'a [[f64; 3]],
+    after: &'a [[f64; 3]],
+) -> impl Iterator<Item = Edit> + 'a {
+    tokens.iter().zip(before).zip(after).flat_map(move |((starts, before), after)| {
         let mut order = [0, 1, 2];
         order.sort_unstable_by_key(|&axis| starts[axis]);
-        for axis in order {
-            if before[axis].to_bits() == after[axis].to_bits() {
-                continue;
-            }
+        let moved = order.into_iter().filter(|&axis| before[axis].to_bits() != after[axis].to_bits());
+        moved.map(|axis| {
             let start = starts[axis];
-            out.write_all(&source[written..start])?;
-            write_number(after[axis], out)?;
             let token = Tokens::new(source, start, source.len()).next();
-            written = start + token.map_or(0, |(_, token)| token.len());
-        }
+            let mut text = Vec::new();
+            write_number(after[axis], &mut text).unwrap_or_else(|error| unreachable!("writing into memory: {error}"));
+            Edit { start, length: token.map_or(0, |(_, token)| token.len()), text }
+        })
+    })
+}
+
+/// Writes `source` from a byte on with edits, which are in the order of the text.
+pub(super) fn write_edited(
+    source: &[u8],
+    from: usize,
+    edits: impl Iterator<Item = Edit>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mut written = from;
+    for Edit { start, length, text } in edits {
+        out.write_all(&source[written..start])?;
+        out.write_all(&text)?;
+        written = start + length;
     }
     out.write_all(&source[written..])
 }

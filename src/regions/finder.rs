@@ -4,6 +4,7 @@ use super::{
     InsideRegion, InsideRegions,
     disc::Disc,
     flood::{Flood, Separation, Terms},
+    left::left_ends,
     pair::{Shore, agreement},
     side::{Scene, choose_side},
 };
@@ -20,12 +21,15 @@ pub struct RegionFinder {
     flood: Flood,
     disc: Disc,
     shore: Shore,
+    /// For each edge that a path crosses the end on the left, sorted.
+    left: Vec<(EdgeId, VertexId)>,
 }
 
 impl RegionFinder {
     /// Finds the inside regions of all paths of a frame.
     ///
-    /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB in the faces of the disc.
+    /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture coordinates are no
+    /// smooth chart, O(n log n) in the faces of the disc.
     pub fn find(
         &mut self,
         mesh: &Mesh,
@@ -115,21 +119,25 @@ impl RegionFinder {
     fn cut_disc(&mut self, scene: &Scene<'_>, copy: &PathCopy, regions: &mut InsideRegions) -> InsideRegion {
         let points = &scene.paths.points[copy.points.clone()];
         let loop_vertices = &scene.paths.pairs[copy.pair].loop_vertices;
-        let centre = points.iter().find_map(|point| match point.own {
-            SurfacePoint::Vertex(vertex) if loop_vertices.contains(&vertex) => Some(vertex),
+        let segments = &scene.paths.segments[copy.segments.clone()];
+        let passed = segments.windows(2).zip(&points[1..]).find_map(|(run, point)| match point.own {
+            SurfacePoint::Vertex(vertex) if loop_vertices.contains(&vertex) => Some((vertex, [run[0].own, run[1].own])),
             _ => None,
         });
-        let (Some(centre), Some(first), Some(last)) = (centre, points.first(), points.last()) else {
+        let (Some((centre, around)), Some(first), Some(last)) = (passed, points.first(), points.last()) else {
             return InsideRegion::default();
         };
-        let Some(radius) = self.disc.unfold(scene.mesh, scene.frame, centre, [first.own, last.own]) else {
+        let ends = [first.own, last.own];
+        let Some(radius) = self.disc.reach(scene.mesh, scene.frame, centre, around, ends) else {
             return InsideRegion::default();
         };
         self.flood.begin(scene.mesh);
         self.cross_edges(scene.paths, copy);
-        let disc = &self.disc;
-        let left = |edge| disc.left_end(scene.mesh, points, edge);
-        let region = divide(&mut self.flood, scene, points, &|vertex| disc.contains(vertex), &left, false, regions);
+        left_ends(scene.mesh, points, segments, &mut self.left);
+        let (disc, left) = (&self.disc, &self.left);
+        let left = |edge| left.binary_search_by_key(&edge, |&(edge, _)| edge).ok().map(|at| left[at].1);
+        let allowed = |vertex| disc.contains(scene.mesh, vertex);
+        let region = divide(&mut self.flood, scene, points, &allowed, &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
@@ -177,10 +185,16 @@ fn divide(
 }
 
 /// A third of the area of the faces round a vertex, in square metres.
+///
+/// Each face counts half from either of its edges at the vertex. Edges are numbered by their vertices, and two numbers have one sum: so the
+/// order of the faces changes no digit, and exact ties stay ties.
 pub(crate) fn vertex_area(scene: &Scene<'_>, vertex: VertexId) -> f64 {
     let area = |face: &FaceId| {
-        let [a, b, c] = scene.mesh.face(*face).map(|corner| scene.frame.position(corner));
-        (b - a).cross(&(c - a)).norm() / 6.0
+        let mut corners = scene.mesh.face(*face);
+        corners.sort_unstable();
+        let [a, b, c] = corners.map(|corner| scene.frame.position(corner));
+        (b - a).cross(&(c - a)).norm() / 12.0
     };
-    scene.mesh.vertex_faces(vertex).iter().map(area).sum()
+    let beside = |&edge: &EdgeId| scene.mesh.edge_faces(edge).iter().map(area).sum::<f64>();
+    scene.mesh.vertex_edges(vertex).iter().map(beside).sum()
 }

@@ -3,6 +3,7 @@
 mod disc;
 mod finder;
 mod flood;
+mod left;
 mod pair;
 mod side;
 mod winding;

@@ -1,15 +1,27 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod candidate;
+mod clusters;
+mod coupled;
+mod domain;
+mod goals;
+mod guard;
+mod local;
+mod motion;
+mod orient;
+mod plan;
+mod settle;
+mod shape;
+mod solver;
+
 use std::ops::ControlFlow;
+
+pub use coupled::CoupledStep;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{
-    frame::{Frame, FrameError},
-    mesh::Mesh,
-    paths::PairType,
-};
+use crate::{frame::FrameError, mesh::Mesh, paths::PairType};
 
 /// How much time a relaxation may take for a better result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +63,8 @@ pub enum Method {
     Push,
     /// Down the gradient of the path length.
     Contour,
+    /// Back towards the shape of the input, with nothing left to resolve.
+    Settle,
 }
 
 /// The state after an iteration.
@@ -105,9 +119,8 @@ pub enum RelaxError {
 pub fn relax(
     mesh: &Mesh,
     positions: &[[f64; 3]],
-    _settings: &RelaxSettings,
-    _progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    settings: &RelaxSettings,
+    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    Frame::new(mesh, positions)?;
-    Ok(Relaxation { positions: positions.to_vec(), history: Vec::new(), blocked: Vec::new(), interrupted: false })
+    solver::Relaxer::new(mesh, positions, settings)?.run(progress)
 }

@@ -1,6 +1,6 @@
 //! From inside regions and targets to corrections.
 
-mod contour;
+pub(crate) mod contour;
 mod displace;
 mod flags;
 mod forces;

@@ -63,12 +63,14 @@ impl Responder {
         let scene = Scene { mesh, frame, analysis, settings };
         observer.begin(Stage::Correspond);
         let found = match settings.response {
-            Response::Rbf | Response::Displacement => self.correspondent.find(mesh, frame, analysis, settings),
+            Response::Rbf | Response::Displacement | Response::Coupled => {
+                self.correspondent.find(mesh, frame, analysis, settings)
+            }
             Response::Contour | Response::Mask => self.correspondent.clear(),
         };
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
-        if settings.response != Response::Mask && !analysis.paths.copies.is_empty() {
+        if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
             self.forces.start(num_vertices);
             self.displacements.start(num_vertices);
             self.pushed.clear();
@@ -101,6 +103,19 @@ impl Responder {
         }
         observer.end();
         &self.corrections
+    }
+
+    /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these corrections.
+    pub(crate) fn displace<'a>(
+        &'a mut self,
+        mesh: &'a Mesh,
+    ) -> (&'a Correspondences, impl FnMut(VertexId, Vector3<f64>)) {
+        let Self { corrections, correspondent, .. } = self;
+        let add = move |vertex: VertexId, displacement: Vector3<f64>| {
+            corrections.forces[vertex.index()] += displacement * mass_kg(mesh, vertex);
+            corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
+        };
+        (correspondent.found(), add)
     }
 
     /// The last corrections.

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::{
     analysis::Analysis,
+    cli::input::{Counted, count_path_pairs, name_of},
     mesh::Mesh,
     paths::{ChainEnd, PairType, PathType},
 };
@@ -20,8 +21,8 @@ use crate::{
 pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
-    /// Files, as they were named.
-    pub files: Vec<PathBuf>,
+    /// Files, as they were named; bytes that are no UTF-8 replaced.
+    pub files: Vec<String>,
     /// Vertices of all files, unused ones included.
     pub num_vertices: usize,
     /// Triangles.
@@ -112,10 +113,6 @@ impl Report {
         list_face_pairs: bool,
     ) -> Self {
         let Analysis { intersections, paths, regions } = analysis;
-        let mut path_pairs = BTreeMap::new();
-        for pair in &paths.pairs {
-            *path_pairs.entry(pair.pair_type).or_default() += 1;
-        }
         let copy_report = |at: usize| {
             let copy = &paths.copies[at];
             let region = regions.by_copy[at].as_ref();
@@ -138,7 +135,7 @@ impl Report {
         let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
         Self {
             schema: "untangled.check/1",
-            files: files.to_vec(),
+            files: files.iter().map(|path| path.display().to_string()).collect(),
             num_vertices: mesh.num_vertices(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
@@ -148,7 +145,7 @@ impl Report {
             manifold: mesh.is_manifold(),
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
-            path_pairs,
+            path_pairs: count_path_pairs(analysis),
             paths: pair_reports.collect(),
             face_pairs: list_face_pairs.then(face_pairs),
             time_us,
@@ -165,22 +162,10 @@ impl Report {
     }
 }
 
-/// `1 face`, `2 faces`.
-struct Counted(usize, &'static str);
-
-impl Display for Counted {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(count, noun) = self;
-        let plural = if *count == 1 { "" } else { "s" };
-        write!(f, "{count} {}{plural}", noun)
-    }
-}
-
 impl Display for Report {
     /// The table for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let names: Vec<String> = self.files.iter().map(|path| path.display().to_string()).collect();
-        writeln!(f, "{}", names.join(", "))?;
+        writeln!(f, "{}", self.files.join(", "))?;
         write!(f, "  {} vertices, ", self.num_vertices)?;
         for (count, noun) in [(self.num_faces, "face"), (self.num_pieces, "piece")] {
             write!(f, "{}, ", Counted(count, noun))?;
@@ -225,8 +210,7 @@ impl Report {
                 inside +=
                     pair.copies.iter().filter_map(|copy| copy.inside_vertices.as_ref()).map(Vec::len).sum::<usize>();
             }
-            let name = serde_json::to_value(pair_type).ok();
-            let name = name.as_ref().and_then(|name| name.as_str()).unwrap_or_default();
+            let name = name_of(pair_type);
             writeln!(f, "  {name:<14} {count:>6} {segments:>11} {length:>12.5} {inside:>16}")?;
         }
         Ok(())

@@ -7,7 +7,7 @@ use gltf::{
 
 use super::{super::ReadErrorKind, buffers::Buffers};
 
-/// Reads vectors of `N` numbers; integers are taken as normalised, as texture coordinates are.
+/// Reads vectors of `N` numbers; integers are normalised where the accessor says so.
 pub(super) fn read<const N: usize>(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<[f64; N]>, ReadErrorKind> {
     let kind = accessor.data_type();
     let width = N * size_of_type(kind);
@@ -16,7 +16,7 @@ pub(super) fn read<const N: usize>(accessor: &Accessor<'_>, buffers: &Buffers) -
     }
     let element = |bytes: &[u8]| -> [f64; N] {
         let size = width / N;
-        std::array::from_fn(|k| decode(&bytes[k * size..(k + 1) * size], kind))
+        std::array::from_fn(|k| decode(&bytes[k * size..(k + 1) * size], kind, accessor.normalized()))
     };
     collect(accessor, buffers, width, [0.0; N], element)
 }
@@ -91,15 +91,16 @@ fn unsigned(bytes: &[u8]) -> usize {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | usize::from(byte))
 }
 
-/// One component; integers are normalised to 0..1 or -1..1.
-fn decode(bytes: &[u8], kind: DataType) -> f64 {
+/// One component; normalised integers become 0..1 or -1..1.
+fn decode(bytes: &[u8], kind: DataType, normalized: bool) -> f64 {
     let byte = |at: usize| bytes.get(at).copied().unwrap_or(0);
-    match kind {
-        DataType::I8 => (f64::from(i8::from_le_bytes([byte(0)])) / 127.0).max(-1.0),
-        DataType::U8 => f64::from(byte(0)) / 255.0,
-        DataType::I16 => (f64::from(i16::from_le_bytes([byte(0), byte(1)])) / 32_767.0).max(-1.0),
-        DataType::U16 => f64::from(u16::from_le_bytes([byte(0), byte(1)])) / 65_535.0,
-        DataType::U32 => f64::from(u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)])),
-        DataType::F32 => f32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]).into(),
-    }
+    let (value, largest) = match kind {
+        DataType::I8 => (f64::from(i8::from_le_bytes([byte(0)])), 127.0),
+        DataType::U8 => (f64::from(byte(0)), 255.0),
+        DataType::I16 => (f64::from(i16::from_le_bytes([byte(0), byte(1)])), 32_767.0),
+        DataType::U16 => (f64::from(u16::from_le_bytes([byte(0), byte(1)])), 65_535.0),
+        DataType::U32 => return f64::from(u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)])),
+        DataType::F32 => return f32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]).into(),
+    };
+    if normalized { (value / largest).max(-1.0) } else { value }
 }

@@ -1,6 +1,9 @@
 //! The bytes that a glTF document refers to.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use gltf::{
     Document,
@@ -10,8 +13,16 @@ use gltf::{
 use super::super::ReadErrorKind;
 
 /// All buffers of a document.
-#[derive(Debug)]
-pub(super) struct Buffers(Vec<Vec<u8>>);
+#[derive(Clone, Debug, Default)]
+pub(super) struct Buffers {
+    bytes: Vec<Vec<u8>>,
+    /// Length that the document gives each.
+    lengths: Vec<usize>,
+    /// Whether a link says where each is.
+    is_linked: Vec<bool>,
+    /// Files that hold one.
+    links: Vec<Option<PathBuf>>,
+}
 
 impl Buffers {
     /// Loads all buffers: the binary chunk, `data:` links, and files in `folder`.
@@ -20,32 +31,58 @@ impl Buffers {
         folder: Option<&Path>,
         mut blob: Option<Vec<u8>>,
     ) -> Result<Self, ReadErrorKind> {
-        let mut buffers = Vec::new();
+        let mut buffers = Self::default();
         for buffer in document.buffers() {
+            let mut file = None;
+            buffers.is_linked.push(matches!(buffer.source(), Source::Uri(_)));
             let bytes = match buffer.source() {
                 Source::Uri(link) if !link.starts_with("data:") => {
                     let name = percent_decoded(link).filter(|_| !link.contains("://")).ok_or_else(|| {
                         ReadErrorKind::Malformed(format!("buffer {}: `{link}` is not a relative path", buffer.index()))
                     })?;
                     let path = folder.unwrap_or_else(|| Path::new("")).join(name);
-                    fs::read(&path).map_err(|error| {
+                    let bytes = fs::read(&path).map_err(|error| {
                         ReadErrorKind::Malformed(format!("buffer {}: {}: {error}", buffer.index(), path.display()))
-                    })?
+                    })?;
+                    file = Some(path);
+                    bytes
                 }
                 source => Data::from_source_and_blob(source, None, &mut blob)?.0,
             };
             if bytes.len() < buffer.length() {
                 return Err(ReadErrorKind::Truncated { element: format!("buffer {}", buffer.index()) });
             }
-            buffers.push(bytes);
+            buffers.bytes.push(bytes);
+            buffers.lengths.push(buffer.length());
+            buffers.links.push(file);
         }
-        Ok(Self(buffers))
+        Ok(buffers)
+    }
+
+    /// The bytes of each; at least as many as the document says.
+    pub(super) fn all(&self) -> &[Vec<u8>] {
+        &self.bytes
+    }
+
+    /// The files of those that have one of their own.
+    pub(super) fn links(&self) -> &[Option<PathBuf>] {
+        &self.links
+    }
+
+    /// Whether a link says where a buffer is; else it is the binary chunk.
+    pub(super) fn is_linked(&self, buffer: usize) -> bool {
+        self.is_linked[buffer]
+    }
+
+    /// The number of bytes that the document says.
+    pub(super) fn length(&self, buffer: usize) -> usize {
+        self.lengths[buffer]
     }
 
     /// `length` bytes of a view from `offset` on, if the view and its buffer hold them.
     pub(super) fn slice(&self, view: &View<'_>, offset: usize, length: usize) -> Option<&[u8]> {
         let start = view.offset();
-        let bytes = self.0.get(view.buffer().index())?.get(start..start.checked_add(view.length())?)?;
+        let bytes = self.bytes.get(view.buffer().index())?.get(start..start.checked_add(view.length())?)?;
         bytes.get(offset..offset.checked_add(length)?)
     }
 }

@@ -1,12 +1,19 @@
-//! glTF 2.0, as `.gltf` with its buffers or as `.glb`: reading.
+//! glTF 2.0, as `.gltf` with its buffers or as `.glb`.
 //!
 //! All triangles of the default scene (or of the first one, or else of all nodes), each mesh where its node puts it, node by node in
 //! the order of the tree. Primitives of a node that use the same positions share their vertices; nothing else is merged, so a
 //! mesh that its exporter split along texture seams stays split. Morph targets and skins are not applied; points and lines are left
 //! out. Coordinates are stored in single precision; nodes are applied in double.
+//!
+//! Written back, positions are replaced in their buffer and the text changes only where it must. Positions can't move that stand in the file
+//! in another way than one list of singles for one node: see `place`.
 
 mod accessor;
 mod buffers;
+mod container;
+mod json;
+mod place;
+mod write;
 
 use std::{collections::HashMap, path::Path};
 
@@ -15,16 +22,24 @@ use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3, Vecto
 
 use super::{ReadErrorKind, mesh_file::Parsed, polygon::NO_UV};
 use buffers::Buffers;
+use container::Chunks;
+use place::Place;
+use write::Block;
+
+pub(super) use container::Container;
+pub(super) use write::GltfDocument;
 
 /// Parses a whole file; buffers of their own are looked for in `folder`.
-pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Parsed, ReadErrorKind> {
-    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(bytes)?;
+pub(super) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(Parsed, GltfDocument), ReadErrorKind> {
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&source)?;
+    let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
     let buffers = Buffers::load(&document, folder, blob)?;
-    let mut builder = Builder { buffers: &buffers, parsed: Parsed::default() };
+    let mut builder = Builder { document: &document, buffers: &buffers, parsed: Parsed::default(), blocks: Vec::new() };
     for (node, transform) in placed_nodes(&document)? {
         builder.node(&node, &transform)?;
     }
-    Ok(builder.parsed)
+    let Builder { parsed, blocks, .. } = builder;
+    Ok((parsed, GltfDocument { source, chunks, buffers, blocks }))
 }
 
 /// All nodes of the scene with their world transforms, parents before children.
@@ -69,8 +84,10 @@ fn matrix_of(transform: &Transform) -> Matrix4<f64> {
 }
 
 struct Builder<'a> {
+    document: &'a Document,
     buffers: &'a Buffers,
     parsed: Parsed,
+    blocks: Vec<Block>,
 }
 
 impl Builder<'_> {
@@ -101,6 +118,9 @@ impl Builder<'_> {
                         self.parsed.positions.push(position);
                     }
                     first_vertices.insert(accessor.index(), first);
+                    let vertices = first..self.parsed.positions.len();
+                    let place = Place::new(self.document, node, &accessor, transform);
+                    self.blocks.push(Block { vertices, place });
                     first
                 }
             };

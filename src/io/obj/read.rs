@@ -12,9 +12,9 @@ use super::super::{
 /// An OBJ file as it was read.
 #[derive(Clone, Debug)]
 pub(in crate::io) struct ObjDocument {
-    source: Vec<u8>,
+    pub(super) source: Vec<u8>,
     /// For each vertex, where its coordinates start.
-    coordinate_offsets: Vec<[usize; 3]>,
+    pub(super) coordinate_offsets: Vec<[usize; 3]>,
 }
 
 impl ObjDocument {
@@ -22,13 +22,18 @@ impl ObjDocument {
     pub(in crate::io) fn write(&self, before: &[[f64; 3]], after: &[[f64; 3]], out: &mut dyn Write) -> io::Result<()> {
         text::write_replaced(&self.source, &self.coordinate_offsets, before, after, out)
     }
+
+    /// The line in which a vertex stands, from 1.
+    pub(in crate::io) fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        Some(text::line_of(&self.source, self.coordinate_offsets.get(vertex)?[0]))
+    }
 }
 
 /// Parses a whole file. An error comes with its line.
 pub(in crate::io) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Option<usize>, ReadErrorKind)> {
     let mut parser = Parser::default();
-    let text = source.strip_prefix(b"\xef\xbb\xbf".as_slice()).unwrap_or(&source);
-    let skipped = source.len() - text.len();
+    let skipped = mark_length(&source);
+    let text = &source[skipped..];
     for (line, mut tokens) in LogicalLines::new(text) {
         parser.line(line, &mut tokens).map_err(|kind| (Some(line), kind))?;
     }
@@ -38,6 +43,12 @@ pub(in crate::io) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Op
     }
     let Parser { positions, uv_coordinates, polygons, coordinate_offsets, .. } = parser;
     Ok((Parsed { positions, uv_coordinates, polygons }, ObjDocument { source, coordinate_offsets }))
+}
+
+/// Length of the byte order mark at the start of a text.
+pub(super) fn mark_length(source: &[u8]) -> usize {
+    const MARK: &[u8] = b"\xef\xbb\xbf";
+    if source.starts_with(MARK) { MARK.len() } else { 0 }
 }
 
 #[derive(Default)]

@@ -9,6 +9,17 @@ use super::{
 };
 
 impl PlyDocument {
+    /// Whether all coordinates are singles.
+    pub(in crate::io) fn is_single_precision(&self) -> bool {
+        self.types == [Scalar::F32; 3]
+    }
+
+    /// Why no vertex can move, if so.
+    pub(in crate::io) fn fixed(&self) -> Option<&'static str> {
+        let is_real = |scalar: &Scalar| matches!(scalar, Scalar::F32 | Scalar::F64);
+        (!self.types.iter().all(is_real)).then_some("its coordinates are integers")
+    }
+
     /// Writes the file with other positions; where nothing moved, every byte is as it was.
     pub(in crate::io) fn write(
         &self,
@@ -16,11 +27,12 @@ impl PlyDocument {
         after: &[[f64; 3]],
         out: &mut dyn Write,
     ) -> Result<(), WriteError> {
+        let stored = self.stored(before, after)?;
         if self.encoding == Encoding::Ascii {
-            return Ok(text::write_replaced(&self.source, &self.coordinate_offsets, before, after, out)?);
+            return Ok(text::write_replaced(&self.source, &self.coordinate_offsets, before, &stored, out)?);
         }
         let mut bytes = self.source.clone();
-        for (vertex, (before, after)) in before.iter().zip(after).enumerate() {
+        for (vertex, (before, after)) in before.iter().zip(&stored).enumerate() {
             for axis in 0..3 {
                 if before[axis].to_bits() == after[axis].to_bits() {
                     continue;
@@ -28,13 +40,9 @@ impl PlyDocument {
                 let start = self.coordinate_offsets[vertex][axis];
                 let scalar = self.types[axis];
                 let mut encoded = match scalar {
-                    #[expect(clippy::cast_possible_truncation, reason = "the file holds single precision")]
+                    #[expect(clippy::cast_possible_truncation, reason = "it is a single already")]
                     Scalar::F32 => (after[axis] as f32).to_le_bytes().to_vec(),
-                    Scalar::F64 => after[axis].to_le_bytes().to_vec(),
-                    _ => {
-                        let reason = "its coordinates are integers; write OBJ";
-                        return Err(WriteError::FixedCoordinates { vertex, reason });
-                    }
+                    _ => after[axis].to_le_bytes().to_vec(),
                 };
                 if self.encoding == Encoding::BigEndian {
                     encoded.reverse();
@@ -43,6 +51,34 @@ impl PlyDocument {
             }
         }
         Ok(out.write_all(&bytes)?)
+    }
+
+    /// Positions as the file can hold them. A coordinate that rounds to the single that it was before stays as it was: text may
+    /// have more digits than a single has.
+    fn stored(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
+        let mut stored = after.to_vec();
+        for (vertex, (before, after)) in before.iter().zip(&mut stored).enumerate() {
+            let fixed = |reason: &str| WriteError::FixedCoordinates { vertex, reason: reason.to_owned() };
+            for axis in 0..3 {
+                if before[axis].to_bits() == after[axis].to_bits() {
+                    continue;
+                }
+                #[expect(clippy::cast_possible_truncation, reason = "the file holds single precision")]
+                let single = |value: f64| f64::from(value as f32);
+                if let Some(reason) = self.fixed() {
+                    return Err(fixed(reason));
+                }
+                if self.types[axis] == Scalar::F32 {
+                    let rounded = single(after[axis]);
+                    if !rounded.is_finite() {
+                        return Err(fixed("it is beyond single precision"));
+                    }
+                    let is_same = rounded.to_bits() == single(before[axis]).to_bits();
+                    after[axis] = if is_same { before[axis] } else { rounded };
+                }
+            }
+        }
+        Ok(stored)
     }
 }
 

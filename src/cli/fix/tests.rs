@@ -1,0 +1,219 @@
+//! The repair with a solver that does what a test asks of it.
+
+#![expect(clippy::float_cmp, reason = "coordinates must come back as the same bits")]
+
+use std::ops::ControlFlow;
+
+use super::*;
+use crate::{
+    io::read_mesh,
+    mesh::Mesh,
+    relax::{BlockedPath, Iteration, Method, Relaxation},
+};
+
+const FLOOR: &str = "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n";
+const SPIKE: &str = "v 1 1 0.5\nv 1 1.5 3\nv 1.5 1 3\nf 1 2 3\n";
+/// Both of them in single precision; the floor rises by one last place.
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
+property list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
+
+const STEP: Iteration = Iteration { num_edge_face_intersections: 1, path_length_m: 0.5, method: Method::Push };
+
+fn result(positions: Vec<[f64; 3]>) -> Relaxation {
+    Relaxation { positions, history: vec![STEP], blocked: Vec::new(), interrupted: false }
+}
+
+/// A folder with files, and arguments that read `inputs` of them and write `out`.
+fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::TempDir, FixArgs) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let args = FixArgs {
+        files: inputs.iter().map(|name| folder.path().join(name)).collect(),
+        out: folder.path().join(out),
+        json: false,
+        report: None,
+        max_iterations: 10,
+        quality: QualityArg::Balanced,
+        pin: None,
+        overwrite: false,
+    };
+    (folder, args)
+}
+
+fn names(folder: &tempfile::TempDir) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Lifts the tip, which is vertex 3, to a height.
+fn lift(positions: &[[f64; 3]], z: f64) -> Relaxation {
+    let mut positions = positions.to_vec();
+    positions[3][2] = z;
+    result(positions)
+}
+
+#[test]
+fn what_the_solver_finds_is_written_and_judged() {
+    let (folder, mut args) =
+        set_up(&[("floor.obj", FLOOR), ("spike.obj", SPIKE)], &["floor.obj", "spike.obj"], "out.obj");
+    args.report = Some(folder.path().join("report.json"));
+    args.quality = QualityArg::Accurate;
+    let mut solver = |_: &Mesh,
+                      positions: &[[f64; 3]],
+                      settings: &RelaxSettings,
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+        let expected = RelaxSettings { quality: Quality::Accurate, max_iterations: 10, single_precision: false };
+        assert_eq!(*settings, expected);
+        assert!(progress(&STEP).is_continue());
+        Ok(lift(positions, 1.25))
+    };
+    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    assert!(report.clean && !report.before.is_clean() && report.after.is_clean());
+    assert_eq!((report.num_iterations, report.history.as_slice()), (1, [STEP].as_slice()));
+    assert_eq!(report.distortion.max_displacement_m, 0.75);
+    assert_eq!(report.distortion.mean_displacement_m, 0.125);
+    let length = |z: f64| (0.25 + (3.0 - z) * (3.0 - z)).sqrt();
+    let ratio = length(1.25) / length(0.5);
+    assert!((report.distortion.max_edge_stretch - ratio).abs() < 1e-12);
+    assert!((report.distortion.mean_edge_stretch - (4.0 + 2.0 * ratio) / 6.0).abs() < 1e-12);
+    let text = fs::read_to_string(&args.out).unwrap();
+    assert_eq!(text, format!("{FLOOR}o spike\n{}f 4 5 6\n", SPIKE.replace("0.5\n", "1.25\n").replace("f 1 2 3\n", "")));
+    assert_eq!(fs::read_to_string(args.report.unwrap()).unwrap(), report.to_json());
+    assert_eq!(names(&folder), ["floor.obj", "out.obj", "report.json", "spike.obj"]);
+    let lines = report.to_string();
+    assert!(lines.contains("clean: 1 intersecting face pair became 0, 2 edge-face intersections became 0"), "{lines}");
+    assert!(lines.contains("1 iteration in ") && lines.contains(": push 1"), "{lines}");
+}
+
+#[test]
+fn a_state_that_the_file_can_not_hold_is_relaxed_again() {
+    let (_folder, args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
+    let mut rounds = Vec::new();
+    let mut solver = |_: &Mesh,
+                      positions: &[[f64; 3]],
+                      settings: &RelaxSettings,
+                      _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+        assert!(settings.single_precision);
+        rounds.push((positions[3][2], settings.max_iterations));
+        // A third of the last place lies over the floor there, but the file holds no such number.
+        let height = if rounds.len() < 3 { 1.0 + 0.33 * f64::from(f32::EPSILON) } else { 1.125 };
+        Ok(lift(positions, height))
+    };
+    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    assert!(report.clean);
+    assert_eq!(rounds, [(0.5, 10), (1.0, 9), (1.0, 8)]);
+    assert_eq!((report.num_iterations, report.history.len()), (3, 3));
+    assert_eq!(read_mesh(&args.out).unwrap().positions()[3], [1.0, 1.0, 1.125]);
+
+    // It ends where the iterations end.
+    let (_folder, mut args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
+    args.max_iterations = 2;
+    let mut never =
+        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+            Ok(lift(positions, 1.0 + 0.33 * f64::from(f32::EPSILON)))
+        };
+    let report = fix(&args, &mut never, &mut Interrupt::default()).unwrap();
+    assert!(!report.clean && report.num_iterations == 2);
+    assert_eq!(report.blocked[0].reason, "not resolved within 2 iterations");
+    assert!(args.out.exists());
+}
+
+#[test]
+fn what_is_left_is_named_and_worse_than_before_is_not_written() {
+    let files = [("floor.obj", FLOOR), ("spike.obj", SPIKE)];
+    let (_folder, args) = set_up(&files, &["floor.obj", "spike.obj"], "out.obj");
+    let reason = BlockedPath {
+        pair_type: crate::paths::PairType::BoundaryInside,
+        vertex: 3,
+        length_m: 0.5,
+        reason: "pinned".into(),
+    };
+    let mut blocked =
+        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+            Ok(Relaxation { blocked: vec![reason.clone()], ..lift(positions, 0.25) })
+        };
+    let report = fix(&args, &mut blocked, &mut Interrupt::default()).unwrap();
+    assert!(!report.clean && report.after == report.before);
+    assert_eq!(report.blocked, [Blocked::from(reason.clone())]);
+    assert!(report.to_string().contains("left: BI/BI of 0.50000 m at vertex 3: pinned"), "{report}");
+    assert!(fs::read_to_string(&args.out).unwrap().contains("v 1 1 0.25"));
+
+    let third = [("floor.obj", FLOOR), ("spike.obj", SPIKE), ("far.obj", "v 1 1 9\nv 2 1 9\nv 1 2 9\nf 1 2 3\n")];
+    let (folder, mut args) = set_up(&third, &["floor.obj", "spike.obj", "far.obj"], "");
+    args.out = folder.path().join("out");
+    fs::create_dir(&args.out).unwrap();
+    let mut worse =
+        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+            let mut positions = positions.to_vec();
+            // The third triangle goes through the second.
+            for position in &mut positions[6..] {
+                position[2] = 2.0;
+            }
+            Ok(result(positions))
+        };
+    let report = fix(&args, &mut worse, &mut Interrupt::default()).unwrap();
+    assert_eq!((report.after, report.distortion.max_displacement_m), (report.before, 0.0));
+    assert_eq!(report.blocked[0].reason, "not resolved");
+    for (name, text) in third {
+        assert_eq!(fs::read_to_string(args.out.join(name)).unwrap(), text);
+    }
+}
+
+#[test]
+fn an_interruption_leaves_nothing() {
+    let (folder, args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
+    let mut interrupt = Interrupt::default();
+    let hand = interrupt.hand();
+    let mut solver = |_: &Mesh,
+                      positions: &[[f64; 3]],
+                      _: &RelaxSettings,
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+        assert!(progress(&STEP).is_continue());
+        hand.store(true, std::sync::atomic::Ordering::Relaxed);
+        assert!(progress(&STEP).is_break());
+        Ok(Relaxation { interrupted: true, ..lift(positions, 1.25) })
+    };
+    let error = fix(&args, &mut solver, &mut interrupt).unwrap_err();
+    assert_eq!(error.to_string(), "interrupted; nothing was written");
+    assert_eq!(names(&folder), ["in.ply"]);
+}
+
+#[test]
+fn vertices_that_a_file_holds_fast_must_be_pinned() {
+    let text = PLY.replace("float", "int").replace("1.00000011920928955", "1").replace("0.5", "0").replace("1.5", "2");
+    let (folder, mut args) = set_up(&[("in.ply", &text), ("pins.txt", "0 1 2\n3 4 5")], &["in.ply"], "out.ply");
+    let mut calls = 0;
+    let mut solver =
+        |mesh: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+            calls += 1;
+            assert!(mesh.vertex_ids().all(|vertex| mesh.is_pinned(vertex)));
+            Ok(result(positions.to_vec()))
+        };
+    let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
+    assert!(error.ends_with("out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; write .obj or .ply, or pin these vertices"), "{error}");
+    args.pin = Some(folder.path().join("pins.txt"));
+    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    assert!(!report.clean && calls == 1);
+    assert_eq!(fs::read_to_string(&args.out).unwrap(), text);
+}
+
+#[test]
+fn edges_without_length_have_no_ratio() {
+    let faces = vec![[0, 1, 2]];
+    let mesh = Mesh::new(crate::mesh::MeshDescription { num_vertices: 3, faces, ..Default::default() }).unwrap();
+    let point = [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
+    let opened = [[0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    let distortion = Distortion::new(&mesh, &point, &opened);
+    assert_eq!(
+        (distortion.max_edge_stretch, distortion.mean_edge_stretch),
+        (2.0f64.sqrt(), (1.0 + 2.0f64.sqrt()) / 2.0)
+    );
+    let closed = Distortion::new(&mesh, &opened, &point);
+    assert_eq!(closed.max_edge_stretch, 0.0);
+    assert!(closed.mean_edge_stretch.is_finite());
+    assert_eq!(Distortion::new(&mesh, &[[0.0; 3]; 3], &opened).max_edge_stretch, 1.0);
+}

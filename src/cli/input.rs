@@ -1,0 +1,146 @@
+//! What the subcommands on files share: files as one world, and what can be wrong with them.
+
+use std::{
+    collections::BTreeMap,
+    fmt::{self, Display, Formatter},
+    fs,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::{
+    analysis::Analysis,
+    frame::{Frame, FrameError},
+    io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh},
+    mesh::{Mesh, MeshError, VertexId},
+    paths::PairType,
+};
+
+/// Why files are no world that can be analysed.
+#[derive(Debug, Error)]
+pub enum InputError {
+    /// A file can't be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The files together can't be put into one world.
+    #[error("{files}: {source}")]
+    World {
+        /// The files.
+        files: String,
+        /// What is wrong.
+        source: ReadErrorKind,
+    },
+    /// What was read is no mesh that can be analysed.
+    #[error("{files}: {source}")]
+    Mesh {
+        /// The files.
+        files: String,
+        /// What is wrong.
+        source: MeshError,
+    },
+    /// A coordinate is beyond the range of exact arithmetic.
+    #[error("{}{}: {source}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
+    Frame {
+        /// The file.
+        path: PathBuf,
+        /// Line at fault, counted from 1, in a text format.
+        line: Option<usize>,
+        /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
+        source: FrameError,
+    },
+}
+
+/// Reads all files, in order.
+pub(super) fn read_files(paths: &[PathBuf]) -> Result<Vec<MeshFile>, InputError> {
+    Ok(paths.iter().map(read_mesh).collect::<Result<_, _>>()?)
+}
+
+/// Files in one world, before anything is checked; `paths` are their names in messages.
+pub(super) fn join(paths: &[PathBuf], meshes: &[MeshFile]) -> Result<World, InputError> {
+    concatenate(meshes).map_err(|source| InputError::World { files: names(paths), source })
+}
+
+/// Files in one world, ready to be analysed.
+#[derive(Clone, Debug)]
+pub(super) struct Input {
+    pub(super) mesh: Mesh,
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) frame: Frame,
+}
+
+impl Input {
+    /// Validates the world of `files`.
+    pub(super) fn new(files: &[MeshFile], world: World) -> Result<Self, InputError> {
+        let World { description, positions, file_vertices, .. } = world;
+        let mesh = Mesh::new(description).map_err(|source| {
+            let paths: Vec<_> = files.iter().map(|file| file.path().to_path_buf()).collect();
+            InputError::Mesh { files: names(&paths), source }
+        })?;
+        let frame = Frame::new(&mesh, &positions).map_err(|source| locate(source, files, &file_vertices))?;
+        Ok(Self { mesh, positions, frame })
+    }
+
+    /// Whether a vertex stays where it is.
+    pub(super) fn is_pinned(&self, vertex: usize) -> bool {
+        u32::try_from(vertex).is_ok_and(|vertex| self.mesh.is_pinned(VertexId(vertex)))
+    }
+}
+
+/// Finds the file and the line of a position that was refused.
+fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> InputError {
+    let FrameError::Coordinate { vertex, axis, value } = source else {
+        unreachable!("files have one position for each vertex: {source}");
+    };
+    let owner = files.iter().zip(file_vertices).find(|(_, range)| range.contains(&vertex));
+    owner.map_or_else(
+        || unreachable!("vertex {vertex} belongs to no file"),
+        |(file, range)| {
+            let vertex = vertex - range.start;
+            let line = file.line_of_vertex(vertex);
+            let vertex = vertex + usize::from(file.format() == FileFormat::Obj);
+            let source = FrameError::Coordinate { vertex, axis, value };
+            InputError::Frame { path: file.path().to_path_buf(), line, source }
+        },
+    )
+}
+
+fn names(paths: &[PathBuf]) -> String {
+    paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// Number of path pairs by type, types without any left out.
+pub(super) fn count_path_pairs(analysis: &Analysis) -> BTreeMap<PairType, usize> {
+    let mut counts = BTreeMap::new();
+    for pair in &analysis.paths.pairs {
+        *counts.entry(pair.pair_type).or_default() += 1;
+    }
+    counts
+}
+
+/// The name of a type or method, as in JSON.
+pub(super) fn name_of(value: impl Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// Whether two names, however spelt or linked, are one existing file.
+pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (fs::metadata(a), fs::metadata(b)) {
+        (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
+        _ => false,
+    }
+}
+
+/// `1 face`, `2 faces`.
+pub(super) struct Counted(pub(super) usize, pub(super) &'static str);
+
+impl Display for Counted {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(count, noun) = self;
+        let plural = if *count == 1 { "" } else { "s" };
+        write!(f, "{count} {noun}{plural}")
+    }
+}
