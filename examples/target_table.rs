@@ -50,7 +50,7 @@ const CURVES: [Curve; 5] = [
     Curve {
         name: "CLOSED, an ellipse off the crease",
         path_type: PathType::Closed,
-        level: |size, phi, v| ((phi - 0.55) / (0.35 * size)).powi(2) + (v / (0.6 * size)).powi(2) - 1.0,
+        level: |size, phi, v| ((phi - 0.5) / (0.3 * size)).powi(2) + (v / (0.6 * size)).powi(2) - 1.0,
         flap: |_| [HALF_M, HALF_M],
     },
     Curve {

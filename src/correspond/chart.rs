@@ -9,7 +9,7 @@ use super::{
     material::weights_in,
     motion::Motion,
     patch::Patch,
-    relax::relax,
+    relax::Relaxation,
     shapes::{self, Shape, ShapeSource},
     unfold::Unfolding,
 };
@@ -50,6 +50,7 @@ pub(crate) struct Chart {
     is_cut: bool,
     /// Takes the chart to the next of its copies beyond the cut.
     period: Option<Motion>,
+    relaxation: Relaxation,
     locator: Locator,
     has_point: Vec<bool>,
 }
@@ -77,7 +78,8 @@ impl Chart {
             return None;
         }
         self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open(mesh);
-        let relaxed = self.unfolding.misfit > LARGEST_MISFIT && relax(&self.patch, &self.shapes, &mut self.unfolding);
+        let relaxed = self.unfolding.misfit > LARGEST_MISFIT
+            && self.relaxation.relax(&self.patch, &self.shapes, &mut self.unfolding);
         self.scale_to_metres(frame)?;
         self.period = if self.is_cut { self.fit_period() } else { None };
         self.index(mesh);

@@ -157,6 +157,7 @@ impl Correspondent {
             copy,
             own_chart,
             partner_chart,
+            round: self.track.own.period.is_some() && self.track.partner.period.is_some(),
             num_centres: self.centres.from.len(),
             rank_deficiency: self.centres.from.len() + 3 - self.plate.rank(),
             condition: self.plate.condition(),

@@ -7,6 +7,7 @@
 
 mod centres;
 mod chart;
+mod cholesky;
 mod cut;
 mod find;
 mod image;
@@ -73,6 +74,8 @@ pub struct PathCorrespondence {
     pub own_chart: ChartKind,
     /// Chart of the surroundings of the corresponding path.
     pub partner_chart: ChartKind,
+    /// Whether path and corresponding path both run round a tube.
+    pub round: bool,
     /// Centres of the fit.
     pub num_centres: usize,
     /// By how much the rank of the fit falls short of full.
