@@ -30,6 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut settings = RelaxSettings::default();
     let (mut motions, mut levels, mut strip_uvs) = (0u64, 0, false);
     let mut files = Vec::new();
+    let mut crumples: Vec<u32> = Vec::new();
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
@@ -43,6 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--motions" => motions = value()?.parse()?,
             "--subdivide" => levels = value()?.parse()?,
             "--no-uvs" => strip_uvs = true,
+            "--crumple" => crumples.push(value()?.parse()?),
             _ => files.push(argument),
         }
     }
@@ -51,6 +53,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         "mesh", "before", "after", "iter", "s", "edge<", "edge>", "area<", "move/D"
     );
     let mut rows: Vec<Row> = Vec::new();
+    for squares in crumples {
+        let (description, positions) = crumple(squares);
+        let mesh = Mesh::new(description.clone())?;
+        rows.push(run(
+            &format!("crumple {} triangles", 2 * squares * squares),
+            &mesh,
+            &description,
+            &positions,
+            &settings,
+        )?);
+    }
     for file in files {
         let name = file.rsplit('/').next().unwrap_or(&file).trim_end_matches(".obj").to_string();
         let Ok(read) = read_mesh(&file) else {
@@ -185,4 +198,35 @@ fn subdivide(description: &MeshDescription, positions: &[[f64; 3]]) -> (MeshDesc
         Uvs { coordinates, corners }
     });
     (MeshDescription { num_vertices: positions.len(), faces, uvs, ..Default::default() }, positions)
+}
+
+/// A sheet of `squares` by `squares` under waves that push it through itself.
+fn crumple(squares: u32) -> (MeshDescription, Vec<[f64; 3]>) {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut waves = Vec::new();
+    for _ in 0..8 {
+        let mut unit = || random.random_range(-1.0..1.0);
+        waves.push(([unit(), unit(), unit()], [1.6 * unit(), 1.6 * unit()], std::f64::consts::PI * unit()));
+    }
+    let mut positions = Vec::new();
+    let mut faces = Vec::new();
+    for row in 0..=squares {
+        for column in 0..=squares {
+            let (u, v) = (f64::from(column) / f64::from(squares), f64::from(row) / f64::from(squares));
+            let mut place = [u, v, 0.0];
+            for (direction, frequency, phase) in &waves {
+                let wave = (std::f64::consts::TAU * (frequency[0] * u + frequency[1] * v) + phase).sin();
+                for (value, part) in place.iter_mut().zip(direction) {
+                    *value += 0.2 * part * wave;
+                }
+            }
+            positions.push(place);
+            if row < squares && column < squares {
+                let a = row * (squares + 1) + column;
+                faces.push([a, a + 1, a + squares + 1]);
+                faces.push([a + squares + 1, a + 1, a + squares + 2]);
+            }
+        }
+    }
+    (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions)
 }

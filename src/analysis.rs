@@ -78,6 +78,12 @@ impl Analyser {
         observer.end();
         &self.analysis
     }
+
+    /// The last analysis.
+    #[must_use]
+    pub fn last(&self) -> &Analysis {
+        &self.analysis
+    }
 }
 
 /// Analyses one frame of one mesh with the default settings; see [`Analyser`] for many frames.

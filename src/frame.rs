@@ -20,7 +20,7 @@ pub enum FrameError {
         expected: usize,
     },
     /// A coordinate is NaN, infinite, or too large for exact arithmetic.
-    #[error("vertex {vertex} has coordinate {axis} = {value}; coordinates must be finite and at most 2^250")]
+    #[error("vertex {vertex} has coordinate {axis} = {value:e}; coordinates must be finite and at most 2^250")]
     Coordinate {
         /// The vertex at fault.
         vertex: usize,

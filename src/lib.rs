@@ -43,9 +43,9 @@ pub mod correspond;
 
 pub mod respond;
 
-pub mod untangler;
-
 pub mod relax;
+
+pub mod untangler;
 
 pub mod io;
 

@@ -249,4 +249,58 @@ mod tests {
             assert_eq!(side_of_plane(d, b, c, a), side_of_plane(a, b, c, d).flipped());
         }
     }
+    /// The sign of the determinant in whole numbers, for coordinates below 2^39.
+    fn whole_sign(sites: &[Site; 4]) -> i128 {
+        let [a, b, c, d] = sites.map(|site| site.position.map(|x| x as i128));
+        let minus = |p: [i128; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+        let [p, q, r] = [b, c, d].map(minus);
+        let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+        (cross[0] * r[0] + cross[1] * r[1] + cross[2] * r[2]).signum()
+    }
+
+    #[test]
+    fn nearly_coplanar_points_have_the_sign_of_exact_arithmetic() {
+        let mut state = 3u64;
+        let mut next = |bits: u32| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            i64::try_from(state >> (64 - bits)).unwrap() - (1 << (bits - 1))
+        };
+        let (mut num_zero, mut num_misjudged) = (0, 0);
+        for _ in 0..20_000 {
+            // A thin triangle, and a point in its plane or one unit off it in one coordinate.
+            let (a, u) = ([next(36), next(36), next(36)], [next(33), next(33), next(33)]);
+            let v = u.map(|x| 3 * x + next(6));
+            let [s, t] = [next(4), next(4)];
+            let mut d = [0, 1, 2].map(|axis| a[axis] + s * u[axis] + t * v[axis]);
+            d[usize::try_from(next(3).rem_euclid(3)).unwrap()] += next(2);
+            let add = |p: [i64; 3], q: [i64; 3]| [p[0] + q[0], p[1] + q[1], p[2] + q[2]];
+            let corners = [a, add(a, u), add(a, v), d].map(|corner| corner.map(|x| x as f64));
+            let sites =
+                [0, 1, 2, 3].map(|k| site(k, corners[k as usize][0], corners[k as usize][1], corners[k as usize][2]));
+            let [a, b, c, d] = sites;
+            match whole_sign(&sites) {
+                0 => {
+                    num_zero += 1;
+                    assert!(are_coplanar(corners));
+                    assert_eq!(side_of_plane(a, b, c, d), moved_side(&sites));
+                }
+                sign => {
+                    assert!(!are_coplanar(corners));
+                    let expected = if sign > 0 { Side::Above } else { Side::Below };
+                    assert_eq!(side_of_plane(a, b, c, d), expected, "{sites:?}");
+                    num_misjudged += usize::from((plain_volume(&corners) > 0.0) != (sign > 0));
+                }
+            }
+        }
+        // Or the points are too easy to be a test.
+        assert!(num_zero > 1_000 && num_misjudged > 100, "{num_zero} {num_misjudged}");
+    }
+
+    /// The determinant in plain double arithmetic.
+    fn plain_volume([a, b, c, d]: &[[f64; 3]; 4]) -> f64 {
+        let minus = |p: &[f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+        let [p, q, r] = [b, c, d].map(minus);
+        let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+        cross[0] * r[0] + cross[1] * r[1] + cross[2] * r[2]
+    }
 }

@@ -45,6 +45,9 @@ pub enum Response {
     /// Straight displacement to the targets, most of the way in one step: for repairs, not for simulations, since it keeps no
     /// momentum. Paths without targets get the forces.
     Displacement,
+    /// One displacement for all paths together that changes the shape of the cloth least: for repairs, like `displacement`. Keeps no
+    /// momentum.
+    Coupled,
     /// Flags only: no forces.
     Mask,
 }

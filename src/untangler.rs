@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use crate::{
-    analysis::{Analyser, Analysis, StageObserver},
+    analysis::{Analyser, Analysis, Stage, StageObserver},
     correspond::Correspondences,
     frame::Frame,
     mesh::Mesh,
+    relax::CoupledStep,
     respond::{Corrections, Responder},
-    settings::{Settings, SettingsError},
+    settings::{Response, Settings, SettingsError},
 };
 
 /// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give the
@@ -19,6 +20,7 @@ pub struct Untangler {
     settings: Settings,
     analyser: Analyser,
     responder: Responder,
+    coupled: CoupledStep,
 }
 
 /// What was found and what to do about it.
@@ -39,7 +41,13 @@ impl Untangler {
     /// [`SettingsError`] for a setting that can't be used.
     pub fn new(mesh: Arc<Mesh>, settings: Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
-        Ok(Self { mesh, settings, analyser: Analyser::default(), responder: Responder::default() })
+        Ok(Self {
+            mesh,
+            settings,
+            analyser: Analyser::default(),
+            responder: Responder::default(),
+            coupled: CoupledStep::default(),
+        })
     }
 
     /// The mesh.
@@ -68,6 +76,12 @@ impl Untangler {
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         let analysis = self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
+        if self.settings.response == Response::Coupled {
+            observer.begin(Stage::Respond);
+            let (found, add) = self.responder.displace(&self.mesh);
+            self.coupled.step(&self.mesh, frame, analysis, found, add);
+            observer.end();
+        }
         Outcome {
             analysis,
             correspondences: self.responder.correspondences(),

@@ -378,7 +378,7 @@ fn bad_input_is_one_line_that_names_it() {
     write("empty.obj", "");
     for (name, expected) in [
         ("short.obj", "short.obj:5: face 1 refers to vertex 900, but only 3 are defined"),
-        ("huge.obj", "huge.obj: vertex 1 has coordinate y"),
+        ("huge.obj", "huge.obj:2: vertex 2 has coordinate y"),
         ("points.obj", "points.obj: no mesh in it: 1 vertices, 0 faces"),
         ("empty.obj", "empty.obj: no mesh in it: 0 vertices, 0 faces"),
         ("missing.obj", "missing.obj: can't be read: "),

@@ -6,78 +6,29 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
+mod support;
+
+use support::{
+    rules,
+    scene::{Scene, folded},
+};
 use untangled::{
-    analysis::{Analysis, analyse},
-    frame::Frame,
-    mesh::{Mesh, MeshDescription, Uvs, VertexId},
+    analysis::Analysis,
+    mesh::{Mesh, VertexId},
     paths::{PairType, PathPoint, PathType, SurfacePoint},
 };
 
-/// A scene with its parameter domain.
-#[derive(Default)]
-struct Scene {
-    positions: Vec<[f64; 3]>,
-    uvs: Vec<[f64; 2]>,
-    faces: Vec<[u32; 3]>,
-}
-
-impl Scene {
-    /// Adds a grid over `[u0, u1] x [v0, v1]`, placed by `place`. The rows are slightly slanted, so that nothing is aligned but what
-    /// the scene aligns.
-    fn add_grid(
-        &mut self,
-        [u0, u1]: [f64; 2],
-        [v0, v1]: [f64; 2],
-        [nu, nv]: [u32; 2],
-        place: impl Fn(f64, f64) -> [f64; 3],
-    ) {
-        let first = u32::try_from(self.positions.len()).unwrap();
-        for j in 0..=nv {
-            for i in 0..=nu {
-                let u = u0 + (u1 - u0) * f64::from(i) / f64::from(nu);
-                let v = v0 + (v1 - v0) * f64::from(j) / f64::from(nv);
-                self.uvs.push([u, v]);
-                self.positions.push(place(u, v));
-            }
-        }
-        for j in 0..nv {
-            for i in 0..nu {
-                let at = |di: u32, dj: u32| first + (j + dj) * (nu + 1) + i + di;
-                self.faces.push([at(0, 0), at(1, 0), at(1, 1)]);
-                self.faces.push([at(0, 0), at(1, 1), at(0, 1)]);
-            }
-        }
-    }
-
-    /// A folded sheet whose layers meet where `g(u^2, v)` vanishes.
-    fn fold(domain_u: [f64; 2], cells: [u32; 2], g: impl Fn(f64, f64) -> f64) -> Self {
-        let mut scene = Self::default();
-        scene.add_grid(domain_u, [0.0, 1.0], cells, |u, v| {
-            let x = u * u;
-            [x, v, 0.3 * (u / 0.3).tanh() * g(x, v)]
-        });
-        scene
-    }
-
-    fn analyse(&self) -> (Mesh, Analysis) {
-        let uvs = Uvs { coordinates: self.uvs.clone(), corners: self.faces.clone() };
-        let description = MeshDescription {
-            num_vertices: self.positions.len(),
-            faces: self.faces.clone(),
-            uvs: Some(uvs),
-            ..Default::default()
-        };
-        let mesh = Mesh::new(description).unwrap();
-        let frame = Frame::new(&mesh, &self.positions).unwrap();
-        let analysis = analyse(&mesh, &frame);
-        (mesh, analysis)
-    }
+/// The analysis of a scene, after the rules that every analysis obeys.
+fn analyse(scene: &Scene) -> (Mesh, Analysis) {
+    let (mesh, frame, analysis) = scene.analyse();
+    rules::check_paths(&mesh, &frame, &analysis, 10.0);
+    (mesh, analysis)
 }
 
 /// Asserts the types of all pairs, and returns mesh and analysis for more.
 #[track_caller]
 fn assert_types(scene: &Scene, pairs: &[PairType], copies: &[PathType]) -> (Mesh, Analysis) {
-    let (mesh, analysis) = scene.analyse();
+    let (mesh, analysis) = analyse(scene);
     let mut found: Vec<_> = analysis.paths.pairs.iter().map(|pair| pair.pair_type).collect();
     found.sort();
     assert_eq!(found, pairs);
@@ -91,6 +42,17 @@ fn assert_types(scene: &Scene, pairs: &[PairType], copies: &[PathType]) -> (Mesh
 /// to the path the mesh decides, not the formula.
 #[track_caller]
 fn assert_inside(scene: &Scene, (mesh, analysis): &(Mesh, Analysis), inside: impl Fn(VertexId) -> bool) {
+    assert_inside_where(scene, (mesh, analysis), inside, |_| true);
+}
+
+/// As [`assert_inside`]; but both must agree only where `decided` holds for a vertex and its neighbours.
+#[track_caller]
+fn assert_inside_where(
+    scene: &Scene,
+    (mesh, analysis): (&Mesh, &Analysis),
+    inside: impl Fn(VertexId) -> bool,
+    decided: impl Fn(VertexId) -> bool,
+) {
     let mut found: Vec<VertexId> = analysis.regions.vertices.clone();
     found.sort();
     found.dedup();
@@ -99,13 +61,33 @@ fn assert_inside(scene: &Scene, (mesh, analysis): &(Mesh, Analysis), inside: imp
     for vertex in mesh.vertex_ids() {
         let expected = inside(vertex);
         let mut neighbours = mesh.vertex_edges(vertex).iter().map(|&edge| mesh.opposite_vertex(edge, vertex));
-        if neighbours.all(|neighbour| inside(neighbour) == expected) {
+        let agrees = |other: VertexId| inside(other) == expected && decided(other);
+        if agrees(vertex) && neighbours.all(agrees) {
             let [u, v] = scene.uvs[vertex.index()];
             assert_eq!(found.binary_search(&vertex).is_ok(), expected, "vertex {} at ({u}, {v})", vertex.0);
             num_checked += usize::from(expected);
         }
     }
     assert!(num_checked > 0, "the scene has no vertex well inside");
+}
+
+/// Asserts that the region of a folded path is the smaller part of the disc round its loop vertex, of this radius: that where `side` holds.
+#[track_caller]
+fn assert_disc(
+    scene: &Scene,
+    (mesh, analysis): &(Mesh, Analysis),
+    [cu, cv]: [f64; 2],
+    radius: f64,
+    side: impl Fn([f64; 2]) -> bool,
+) {
+    let distance = |vertex: VertexId| {
+        let [u, v] = scene.uvs[vertex.index()];
+        (u - cu).hypot(v - cv)
+    };
+    // The scene's radius is known up to the width of a face.
+    let clear = |vertex: VertexId| (distance(vertex) - radius).abs() > 0.03;
+    let inside = |vertex: VertexId| distance(vertex) < radius && side(scene.uvs[vertex.index()]);
+    assert_inside_where(scene, (mesh, analysis), inside, clear);
 }
 
 #[test]
@@ -137,13 +119,56 @@ fn a_closed_curve_over_the_crease_is_a_loop_loop() {
 fn a_curve_from_the_boundary_over_the_crease_is_a_boundary_loop_inside() {
     // The sheet is shorter on one side of the crease: there the curve reaches the boundary, on the other side it ends inside.
     let scene = Scene::fold([-1.0, 0.8], [40, 31], |x, v| v - 0.4 - 0.2 * x);
-    let (_, analysis) = assert_types(&scene, &[PairType::BoundaryLoopInside], &[PathType::BoundaryLoopInside]);
-    let region = analysis.regions.by_copy[0].as_ref().unwrap();
+    let found = assert_types(&scene, &[PairType::BoundaryLoopInside], &[PathType::BoundaryLoopInside]);
+    let region = found.1.regions.by_copy[0].as_ref().unwrap();
     assert!(region.partitioning);
     // Both ends lie on u = 0.8 and u = -0.8, 0.2 * 0.64 higher than the loop vertex.
+    let expected = 0.8f64.hypot(0.2 * 0.64);
     let radius = region.disc_radius.unwrap();
-    assert!((radius - 0.8f64.hypot(0.2 * 0.64)).abs() < 0.05, "radius {radius}");
-    assert_eq!(analysis.paths.pairs[0].loop_vertices.len(), 1);
+    assert!((radius - expected).abs() < 0.05, "radius {radius}");
+    assert_eq!(found.1.paths.pairs[0].loop_vertices.len(), 1);
+    // Which part of the disc is smaller is counted, since the sheet's edges cut it off.
+    let above = |[u, v]: [f64; 2]| v > 0.4 + 0.2 * u * u;
+    let count = |side: bool| {
+        let is_there = |&&[u, v]: &&[f64; 2]| u.hypot(v - 0.4) < expected && above([u, v]) == side;
+        scene.uvs.iter().filter(is_there).count()
+    };
+    let smaller = count(true) < count(false);
+    assert_disc(&scene, &found, [0.0, 0.4], expected, |uv| above(uv) == smaller);
+}
+
+/// The sheet is as long on both sides of the crease: both copies end in the boundary, where its two ends touch exactly. The
+/// columns between differ, so that nothing else does.
+#[test]
+fn a_curve_over_the_crease_that_ends_where_boundaries_touch_is_a_boundary_loop_boundary() {
+    let us: Vec<f64> =
+        (-19..=0).map(|i| f64::from(i) * 0.75 / 19.0).chain((1..=17).map(|i| f64::from(i) * 0.75 / 17.0)).collect();
+    let vs: Vec<f64> = (0..=31).map(|j| f64::from(j) / 31.0).collect();
+    let mut scene = Scene::default();
+    scene.add_lines(&us, &vs, folded(|x, v| v - 0.4 - 0.2 * x));
+    let found = assert_types(&scene, &[PairType::BoundaryLoopBoundary], &[PathType::BoundaryLoopBoundary]);
+    let region = found.1.regions.by_copy[0].as_ref().unwrap();
+    assert!(region.partitioning);
+    let (points, paths) = (&found.1.paths.copies[0].points, &found.1.paths);
+    for end in [points.start, points.end - 1] {
+        let on_boundary = match paths.points[end].own {
+            SurfacePoint::Edge { edge, .. } => found.0.is_boundary_edge(edge),
+            SurfacePoint::Vertex(vertex) => found.0.is_boundary_vertex(vertex),
+            SurfacePoint::Face { .. } => false,
+        };
+        assert!(on_boundary, "{:?}", paths.points[end].own);
+    }
+    // On the boundary the curve is where the formula says; the loop vertex is the nearest one on the crease.
+    let [cu, cv] = scene.uvs[paths.pairs[0].loop_vertices[0].index()];
+    let expected = 0.75f64.hypot(0.4 + 0.2 * 0.75 * 0.75 - cv);
+    assert!((region.disc_radius.unwrap() - expected).abs() < 1e-9 && cu.abs() <= 0.0);
+    let above = |[u, v]: [f64; 2]| v > 0.4 + 0.2 * u * u;
+    let count = |side: bool| {
+        let is_there = |&&[u, v]: &&[f64; 2]| u.hypot(v - cv) < expected && above([u, v]) == side;
+        scene.uvs.iter().filter(is_there).count()
+    };
+    let smaller = count(true) < count(false);
+    assert_disc(&scene, &found, [cu, cv], expected, |uv| above(uv) == smaller);
 }
 
 #[test]
@@ -227,25 +252,56 @@ fn a_strip_through_the_edge_of_a_sheet_is_boundary_inside() {
 fn a_crease_that_ends_in_a_boundary_vertex_is_boundary_boundary_and_boundary_inside() {
     // As for BLI, but the curve meets the crease in the boundary.
     let scene = Scene::fold([-1.0, 0.8], [36, 30], |x, v| v - 0.6 * x);
-    let (mesh, analysis) = scene.analyse();
-    let types: Vec<_> = analysis.paths.pairs.iter().map(|pair| pair.pair_type).collect();
-    assert_eq!(types, [PairType::BoundaryBoundaryBoundaryInside]);
+    let types = [PathType::BoundaryBoundary, PathType::BoundaryInside];
+    let found = assert_types(&scene, &[PairType::BoundaryBoundaryBoundaryInside], &types);
+    let (mesh, analysis) = &found;
     assert!(mesh.is_boundary_vertex(analysis.paths.pairs[0].loop_vertices[0]));
     assert!(analysis.regions.by_copy[0].as_ref().is_some_and(|region| region.partitioning));
+    // The BB path cuts off the corner under the curve, on the side where the sheet is shorter.
+    assert_inside(&scene, &found, |vertex| {
+        let [u, v] = scene.uvs[vertex.index()];
+        u > 0.0 && v < 0.6 * u * u
+    });
 }
 
-/// Two crossing sheets whose path ends where a corner of each touches the other, in numbers that are exact in binary.
+/// A flat sheet whose edges are x = -1 and x = 1, and an upright one with an edge at x = 1, which meet in (1, 0.25, 0): in numbers that are
+/// exact in binary.
+fn touching(left: f64, cells: u32) -> Scene {
+    let mut scene = Scene::default();
+    scene.add_grid([-1.0, 1.0], [-1.0, 1.0], [8, 8], |x, y| [x, y, 0.0]);
+    scene.add_grid([left, 1.0], [-0.5, 0.75], [cells, 5], |x, z| [x, 0.25 * x + 0.125 * z, z]);
+    scene
+}
+
+/// The vertices of the upright sheet under the flat one: fewer than above.
+fn is_under(scene: &Scene, vertex: VertexId) -> bool {
+    vertex.index() >= 81 && scene.positions[vertex.index()][2] < 0.0
+}
+
 #[test]
 fn boundaries_that_touch_exactly_are_both_ends() {
-    let mut scene = Scene::default();
-    // The flat sheet's edge x = 1 and the upright sheet's edge x = 1 meet in (1, 0.25, 0) and nowhere else.
-    scene.add_grid([-1.0, 1.0], [-1.0, 1.0], [8, 8], |x, y| [x, y, 0.0]);
-    scene.add_grid([-0.5, 1.0], [-0.5, 0.75], [6, 5], |x, z| [x, 0.25 * x + 0.125 * z, z]);
-    let (_, analysis) = scene.analyse();
-    let types: Vec<_> = analysis.paths.pairs.iter().map(|pair| pair.pair_type).collect();
-    assert_eq!(types, [PairType::BoundaryBoundaryBoundaryInside]);
-    let region = analysis.regions.by_copy[0].as_ref().unwrap();
-    assert!(region.partitioning && !region.vertices.is_empty());
+    let scene = touching(-0.5, 6);
+    let types = [PathType::BoundaryBoundary, PathType::BoundaryInside];
+    let found = assert_types(&scene, &[PairType::BoundaryBoundaryBoundaryInside], &types);
+    assert!(found.1.regions.by_copy[0].as_ref().unwrap().partitioning);
+    assert_inside(&scene, &found, |vertex| is_under(&scene, vertex));
+}
+
+#[test]
+fn boundaries_that_touch_exactly_at_both_ends_are_boundary_boundary_twice() {
+    let scene = touching(-1.0, 8);
+    let found = assert_types(&scene, &[PairType::BoundaryBoundaryBoundaryBoundary], &[PathType::BoundaryBoundary; 2]);
+    assert!(found.1.regions.by_copy.iter().all(|region| region.as_ref().unwrap().partitioning));
+    // The flat sheet is cut along y = 0.25 x, in two parts of nearly the same size; which is smaller is counted.
+    let beyond = |vertex: &VertexId| {
+        let [x, y, _] = scene.positions[vertex.index()];
+        vertex.index() < 81 && y > 0.25 * x
+    };
+    let num_beyond = found.0.vertex_ids().filter(beyond).count();
+    let smaller = num_beyond < 81 - num_beyond;
+    assert_inside(&scene, &found, |vertex| {
+        if vertex.index() < 81 { beyond(&vertex) == smaller } else { is_under(&scene, vertex) }
+    });
 }
 
 /// As for LL, but the sheet is slit open from the boundary across the path: the lips of the slit touch exactly.
@@ -269,7 +325,7 @@ fn a_loop_loop_over_a_closed_slit_is_a_boundary_loop_loop_boundary() {
         scene.positions.push(scene.positions[vertex as usize]);
         scene.uvs.push(scene.uvs[vertex as usize]);
     }
-    let (_, analysis) = scene.analyse();
+    let (_, analysis) = analyse(&scene);
     let long: Vec<_> = analysis.paths.pairs.iter().filter(|pair| pair.length_m > 0.05).collect();
     assert_eq!(long.len(), 1);
     assert_eq!(long[0].pair_type, PairType::BoundaryLoopLoopBoundary);

@@ -5,17 +5,20 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "says what was skipped")]
 
+mod support;
+
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
 use serde::Deserialize;
+use support::{brute, rules};
 use untangled::{
     analysis::{Analysis, analyse},
     frame::Frame,
     io::{ReadErrorKind, concatenate, read_mesh},
-    mesh::{Mesh, VertexId},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::PairType,
 };
 
@@ -29,12 +32,25 @@ fn shared(folder: &str) -> Option<PathBuf> {
     None
 }
 
-fn analysis_of(path: &Path) -> (Mesh, Analysis) {
+/// The analysis of one file, after the rules that every analysis obeys.
+fn analysis_of(path: &Path) -> (Mesh, Frame, Analysis) {
     let world = concatenate(&[read_mesh(path).unwrap()]).unwrap();
     let mesh = Mesh::new(world.description).unwrap();
     let frame = Frame::new(&mesh, &world.positions).unwrap();
     let analysis = analyse(&mesh, &frame);
-    (mesh, analysis)
+    let size = world.positions.iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
+    rules::check_paths(&mesh, &frame, &analysis, size);
+    (mesh, frame, analysis)
+}
+
+fn assert_equals_brute_force(name: &str, (mesh, frame, analysis): &(Mesh, Frame, Analysis)) {
+    let expected = brute::edge_face_intersections(mesh, frame);
+    let found: Vec<(EdgeId, FaceId)> =
+        analysis.intersections.edge_face.iter().map(|hit| (hit.edge, hit.face)).collect();
+    assert_eq!(found, expected, "{name}");
+    let expected: Vec<[FaceId; 2]> = brute::face_pairs(mesh, &expected).into_keys().collect();
+    let found: Vec<[FaceId; 2]> = analysis.intersections.segments.iter().map(|segment| segment.faces).collect();
+    assert_eq!(found, expected, "{name}");
 }
 
 /// The answer to a scene.
@@ -174,7 +190,9 @@ fn scenes_have_their_known_answers() {
         }
         let answer: Answer = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
         exact += usize::from(answer.is_exact(name));
-        let wrong = differences(name, &answer, &analysis_of(&mesh).1);
+        let found = analysis_of(&mesh);
+        assert_equals_brute_force(name, &found);
+        let wrong = differences(name, &answer, &found.2);
         failures.extend(wrong.into_iter().map(|wrong| format!("{name}: {wrong}")));
     }
     println!("{} scenes, {exact} of them exact", answers.len());
@@ -194,7 +212,7 @@ fn unit_scenes_have_the_type_in_their_name() {
         ("LL", "LL"),
     ];
     for (name, expected) in units {
-        let (mesh, analysis) = analysis_of(&folder.join(format!("unit_{name}.obj")));
+        let (mesh, _, analysis) = analysis_of(&folder.join(format!("unit_{name}.obj")));
         let types: Vec<String> = analysis.paths.pairs.iter().map(|pair| name_of(pair.pair_type)).collect();
         // The smallest BLI has its loop vertex on the boundary: there it is BB/BI.
         let on_boundary = |id: &VertexId| mesh.is_boundary_vertex(*id);
@@ -221,7 +239,11 @@ fn real_meshes_have_their_known_counts() {
         ("dressknife_drape_55k.obj", 920..=926),
     ];
     for (name, expected) in counts {
-        let (mesh, analysis) = analysis_of(&folder.join(name));
+        let world = analysis_of(&folder.join(name));
+        if world.0.num_faces() < 13_000 {
+            assert_equals_brute_force(name, &world);
+        }
+        let (mesh, _, analysis) = world;
         let found = analysis.intersections.segments.len();
         println!("{name}: {} faces, {found} pairs, {} path pairs", mesh.num_faces(), analysis.paths.pairs.len());
         assert!(expected.contains(&found), "{name}: {found} pairs, expected {expected:?}");

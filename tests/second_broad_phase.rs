@@ -31,7 +31,18 @@ fn pierces(mesh: &Mesh, frame: &Frame, edge: EdgeId, face: FaceId) -> bool {
 
 #[test]
 fn a_large_crumpled_sheet_has_the_same_intersections_by_another_tree() {
-    let crumpled = sheet::crumpled(11, 125);
+    check(125);
+}
+
+/// Some minutes and gigabytes: `cargo test --release --test second_broad_phase -- --ignored`.
+#[test]
+#[ignore = "two million triangles"]
+fn two_million_triangles_have_the_same_intersections_by_another_tree() {
+    check(1000);
+}
+
+fn check(resolution: u32) {
+    let crumpled = sheet::crumpled(11, resolution);
     let mesh = crumpled.mesh();
     let frame = crumpled.frame(&mesh);
     let boxes: Vec<Aabb> = mesh

@@ -98,8 +98,8 @@ pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analys
     let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
     let world = input::join(files, &meshes)?;
+    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
     drop(meshes);
-    let Input { mesh, frame, .. } = Input::new(files, world)?;
     let mut analyser = Analyser::default();
     let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
     let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);

@@ -195,7 +195,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let mut world = input::join(&args.files, &files)?;
     let pins = args.pin.as_deref().map(|path| pins::read(path, world.positions.len())).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
-    let input = Input::new(&args.files, world)?;
+    let input = Input::new(&files, world)?;
     interrupt.check()?;
     progress.say("analysing");
     let before = Counts::new(&analyse(&input.mesh, &input.frame));

@@ -4,16 +4,17 @@ use std::{
     collections::BTreeMap,
     fmt::{self, Display, Formatter},
     fs,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::{
     analysis::Analysis,
     frame::{Frame, FrameError},
-    io::{MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh},
+    io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh},
     mesh::{Mesh, MeshError, VertexId},
     paths::PairType,
 };
@@ -41,11 +42,13 @@ pub enum InputError {
         source: MeshError,
     },
     /// A coordinate is beyond the range of exact arithmetic.
-    #[error("{}: {source}", path.display())]
+    #[error("{}{}: {source}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
     Frame {
         /// The file.
         path: PathBuf,
-        /// What is wrong; vertices counted from 0 in this file.
+        /// Line at fault, counted from 1, in a text format.
+        line: Option<usize>,
+        /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
         source: FrameError,
     },
 }
@@ -69,21 +72,14 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// Validates a world; vertices in messages are those of a file.
-    pub(super) fn new(paths: &[PathBuf], world: World) -> Result<Self, InputError> {
+    /// Validates the world of `files`.
+    pub(super) fn new(files: &[MeshFile], world: World) -> Result<Self, InputError> {
         let World { description, positions, file_vertices, .. } = world;
-        let mesh = Mesh::new(description).map_err(|source| InputError::Mesh { files: names(paths), source })?;
-        let frame = Frame::new(&mesh, &positions).map_err(|source| {
-            let FrameError::Coordinate { vertex, axis, value } = source else {
-                return InputError::Frame { path: names(paths).into(), source };
-            };
-            let (path, range) = paths
-                .iter()
-                .zip(&file_vertices)
-                .find(|(_, range)| range.contains(&vertex))
-                .map_or((PathBuf::new(), 0..0), |(path, range)| (path.clone(), range.clone()));
-            InputError::Frame { path, source: FrameError::Coordinate { vertex: vertex - range.start, axis, value } }
+        let mesh = Mesh::new(description).map_err(|source| {
+            let paths: Vec<_> = files.iter().map(|file| file.path().to_path_buf()).collect();
+            InputError::Mesh { files: names(&paths), source }
         })?;
+        let frame = Frame::new(&mesh, &positions).map_err(|source| locate(source, files, &file_vertices))?;
         Ok(Self { mesh, positions, frame })
     }
 
@@ -91,6 +87,24 @@ impl Input {
     pub(super) fn is_pinned(&self, vertex: usize) -> bool {
         u32::try_from(vertex).is_ok_and(|vertex| self.mesh.is_pinned(VertexId(vertex)))
     }
+}
+
+/// Finds the file and the line of a position that was refused.
+fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> InputError {
+    let FrameError::Coordinate { vertex, axis, value } = source else {
+        unreachable!("files have one position for each vertex: {source}");
+    };
+    let owner = files.iter().zip(file_vertices).find(|(_, range)| range.contains(&vertex));
+    owner.map_or_else(
+        || unreachable!("vertex {vertex} belongs to no file"),
+        |(file, range)| {
+            let vertex = vertex - range.start;
+            let line = file.line_of_vertex(vertex);
+            let vertex = vertex + usize::from(file.format() == FileFormat::Obj);
+            let source = FrameError::Coordinate { vertex, axis, value };
+            InputError::Frame { path: file.path().to_path_buf(), line, source }
+        },
+    )
 }
 
 fn names(paths: &[PathBuf]) -> String {
@@ -109,11 +123,6 @@ pub(super) fn count_path_pairs(analysis: &Analysis) -> BTreeMap<PairType, usize>
 /// The name of a type or method, as in JSON.
 pub(super) fn name_of(value: impl Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
-/// Serialises paths as text. Names that are none are shown as well as they can be: JSON has no bytes.
-pub(super) fn paths_as_text<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// Whether two names, however spelt or linked, are one existing file.

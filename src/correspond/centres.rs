@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::track::Track;
+use super::{rbf::ThinPlate, track::Track};
 
 /// Paths whose centres spread across their main direction by less than this part of the spread along it count as nearly straight.
 const NEARLY_STRAIGHT: f64 = 0.25;
@@ -18,18 +18,34 @@ pub(crate) struct Centres {
     pub(crate) to: Vec<Point2<f64>>,
     /// How many lie on the path; those beside it follow.
     pub(crate) num_on_path: usize,
+    /// Arclengths of the centres on the path, ascending.
+    stations: Vec<f64>,
+    /// Gaps between centres in which the fit misses: number, middle, by how much.
+    worst: Vec<(usize, f64, f64)>,
 }
 
 impl Centres {
-    /// Chooses the centres of a path.
+    /// Begins with `count` equidistant centres on the path.
+    pub(crate) fn start(&mut self, track: &Track, count: usize) {
+        track.stations(count, &mut self.stations);
+    }
+
+    /// Places the centres.
     ///
     /// Across a straight path the data on the path say nothing, and across a nearly straight one little more than noise. There the
     /// fit gets centres on both sides too: what lies `offset` beside the path inside goes `offset` beside the corresponding path, to the
     /// side `side.1`. The noise that the paper adds instead makes the slope across the path random.
     ///
-    /// `side` holds the sides, 1 for left and -1 for right of the direction of travel, on which the inside and its image lie.
-    pub(crate) fn choose(&mut self, track: &Track, count: usize, side: (f64, f64), offset: f64) {
-        track.sample(count, &mut self.from, &mut self.to);
+    /// `side` holds the sides, 1 for left and -1 for right of the direction of travel, on which the inside and its image lie. With `mutual`
+    /// the map is its own inverse: every centre serves the other way round too.
+    pub(crate) fn place(&mut self, track: &Track, side: (f64, f64), offset: f64, mutual: bool) {
+        self.from.clear();
+        self.to.clear();
+        for &station in &self.stations {
+            let (own, partner, _) = track.at(station);
+            self.from.push(own);
+            self.to.push(partner);
+        }
         self.drop_duplicates(DUPLICATE * track.length());
         self.num_on_path = self.from.len();
         if self.num_on_path >= 2 && spread(&self.from) < NEARLY_STRAIGHT {
@@ -50,6 +66,41 @@ impl Centres {
             }
             self.drop_duplicates(1e-3 * offset);
         }
+        if mutual {
+            let count = self.from.len();
+            self.from.extend_from_slice(&self.to);
+            self.to.extend_from_slice(&self.from[..count]);
+            self.drop_duplicates(1e-3 * offset);
+        }
+    }
+
+    /// By how much, in metres of the chart, a fit misses the path at worst.
+    pub(crate) fn residual(track: &Track, plate: &ThinPlate) -> f64 {
+        track.points().map(|(_, own, partner)| (plate.evaluate(own) - partner).norm()).fold(0.0, f64::max)
+    }
+
+    /// Adds centres half way between those between which the fit misses the path by more than `tolerance`, the worst first, up to
+    /// `most`. False where there is nothing to add.
+    pub(crate) fn refine(&mut self, track: &Track, plate: &ThinPlate, tolerance: f64, most: usize) -> bool {
+        self.worst.clear();
+        let count = self.stations.len();
+        for (at, own, partner) in track.points() {
+            let miss = (plate.evaluate(own) - partner).norm();
+            // A point beyond the last centre of a closed path lies between it and the first.
+            let next = self.stations.partition_point(|&station| station <= at);
+            if next == 0 || miss <= tolerance {
+                continue;
+            }
+            let end = self.stations.get(next).copied().unwrap_or(track.length());
+            match self.worst.last_mut() {
+                Some(worst) if worst.0 == next => worst.2 = worst.2.max(miss),
+                _ => self.worst.push((next, 0.5 * (self.stations[next - 1] + end), miss)),
+            }
+        }
+        self.worst.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+        self.stations.extend(self.worst.iter().take(most.saturating_sub(count)).map(|&(_, station, _)| station));
+        self.stations.sort_unstable_by(f64::total_cmp);
+        self.stations.len() > count
     }
 
     fn drop_duplicates(&mut self, distance: f64) {
@@ -98,11 +149,11 @@ mod tests {
         correspond::{chart::Chart, rbf::ThinPlate, samples::sheet},
         frame::Frame,
         mesh::Mesh,
-        paths::{PathPoint, SurfacePoint},
+        paths::{PathPoint, PathSegment, SurfacePoint},
     };
 
     /// A straight path over a sheet of 1 m x 1 m at x = 0.42, its partner at x = 0.58, and the chart of the sheet.
-    fn fold() -> (Mesh, Frame, Chart, Vec<PathPoint>) {
+    fn fold() -> (Mesh, Frame, Chart, Vec<PathPoint>, Vec<PathSegment>) {
         let (mesh, flat) = sheet(10, 10, 0.1);
         let positions: Vec<_> = flat.iter().map(|p| [p.x, p.y, 0.0]).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
@@ -127,29 +178,38 @@ mod tests {
                 let y = 0.2 + 0.03 * f64::from(k);
                 PathPoint { position: [0.0, y, 0.0].into(), own: place(0.42, y), partner: place(0.58, y) }
             })
-            .collect();
-        (mesh, frame, chart, points)
+            .collect::<Vec<PathPoint>>();
+        // Not a path as it is found, which has a point on every edge: each segment counts for the face of its first point.
+        let face = |place: &SurfacePoint| match *place {
+            SurfacePoint::Face { face, .. } => face,
+            _ => unreachable!("all places lie in faces"),
+        };
+        let segment = |point: &PathPoint| PathSegment { own: face(&point.own), partner: face(&point.partner) };
+        let segments = points[..20].iter().map(segment).collect();
+        (mesh, frame, chart, points, segments)
     }
 
     #[test]
     fn a_straight_path_gets_the_reflection_exactly() {
-        let (mesh, _, chart, points) = fold();
+        let (mesh, _, chart, points, segments) = fold();
         let mut track = Track::default();
-        assert!(track.lay(&mesh, &points, false, &chart, &chart));
+        assert!(track.lay_own(&mesh, &points, &segments, false, &chart));
+        assert!(track.lay_partner(&mesh, &points, &segments, &chart));
         assert!((track.length() - 0.6).abs() < 1e-12);
         let mut centres = Centres::default();
         // The way goes up: inside is to the right of the path and to the left of its partner.
-        let up = (track.own[20] - track.own[0]).normalize();
+        let up = (track.own.points[20] - track.own.points[0]).normalize();
         let right = Vector2::new(up.y, -up.x);
-        centres.choose(&track, 7, (-1.0, 1.0), 0.05);
+        centres.start(&track, 7);
+        centres.place(&track, (-1.0, 1.0), 0.05, false);
         assert_eq!((centres.num_on_path, centres.from.len()), (7, 21));
         let mut plate = ThinPlate::default();
         assert!(plate.fit(&centres.from, &centres.to));
         assert_eq!(plate.rank(), 24);
         for (along, across) in [(0.3, 0.02), (0.1, 0.2), (0.55, 0.3)] {
-            let at = plate.evaluate(track.own[0] + up * along + right * across);
-            let gap = (track.partner[0] - track.own[0]).dot(&right);
-            let expected = track.own[0] + up * along + right * (gap - across);
+            let at = plate.evaluate(track.own.points[0] + up * along + right * across);
+            let gap = (track.partner.points[0] - track.own.points[0]).dot(&right);
+            let expected = track.own.points[0] + up * along + right * (gap - across);
             assert!((at - expected).norm() < 1e-9, "{at} {expected}");
         }
     }
@@ -160,7 +220,7 @@ mod tests {
         assert!(spread(&circle) > 0.9);
         assert!(spread(&[Point2::new(0.0, 0.0), Point2::new(1.0, 1.0), Point2::new(2.0, 2.0)]) < 1e-7);
         let mut centres =
-            Centres { from: vec![circle[0], circle[1], circle[0]], to: circle[..3].to_vec(), num_on_path: 0 };
+            Centres { from: vec![circle[0], circle[1], circle[0]], to: circle[..3].to_vec(), ..Centres::default() };
         centres.drop_duplicates(1e-9);
         assert_eq!(centres.from, circle[..2]);
         assert_eq!(centres.to, circle[..2]);

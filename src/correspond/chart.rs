@@ -4,11 +4,14 @@ use nalgebra::{Point2, Vector2, Vector3};
 
 use super::{
     MaterialPoint,
-    locate::Locator,
+    cut::Cut,
+    locate::{Locator, Place},
+    material::weights_in,
+    motion::Motion,
     patch::Patch,
-    relax::relax,
+    relax::Relaxation,
     shapes::{self, Shape, ShapeSource},
-    unfold::{Facing, Unfolding},
+    unfold::Unfolding,
 };
 use crate::{
     frame::Frame,
@@ -18,6 +21,13 @@ use crate::{
 
 /// Unfoldings that close up to this part of an edge are taken as they are.
 const LARGEST_MISFIT: f64 = 0.02;
+/// A patch stays cut where the cut gapes by more than this many of its edges, on the mean: round a tube it gapes by the girth, round a
+/// mere hole in a dome it nearly closes.
+const WIDE_GAP: f64 = 3.0;
+/// A cut that is not one motion of the plane, but for this part of its edges, has no period.
+const PERIOD_TOLERANCE: f64 = 0.5;
+/// How often a point is looked for beyond the cut, to either side.
+pub(crate) const TURNS: i32 = 2;
 
 /// How a chart was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +36,8 @@ pub struct ChartKind {
     pub source: ShapeSource,
     /// Whether the shapes had to be changed to fit together (a dome, an annulus, a dart); otherwise the faces were only moved.
     pub relaxed: bool,
+    /// Whether it was cut open, because the patch closes on itself (a tube). The chart then goes on beyond the cut by its period.
+    pub cut: bool,
 }
 
 /// A patch with 2D coordinates.
@@ -34,6 +46,11 @@ pub(crate) struct Chart {
     patch: Patch,
     shapes: Vec<Shape>,
     unfolding: Unfolding,
+    cut: Cut,
+    is_cut: bool,
+    /// Takes the chart to the next of its copies beyond the cut.
+    period: Option<Motion>,
+    relaxation: Relaxation,
     locator: Locator,
     has_point: Vec<bool>,
 }
@@ -60,10 +77,78 @@ impl Chart {
         if !self.unfolding.unfold(mesh, &self.patch, &self.shapes) {
             return None;
         }
-        let relaxed = self.unfolding.misfit > LARGEST_MISFIT && relax(&self.patch, &self.shapes, &mut self.unfolding);
+        self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open(mesh);
+        let relaxed = self.unfolding.misfit > LARGEST_MISFIT
+            && self.relaxation.relax(&self.patch, &self.shapes, &mut self.unfolding);
         self.scale_to_metres(frame)?;
+        self.period = if self.is_cut { self.fit_period() } else { None };
         self.index(mesh);
-        Some(ChartKind { source, relaxed })
+        Some(ChartKind { source, relaxed, cut: self.is_cut })
+    }
+
+    /// Cuts a patch open that closes on itself, and unfolds it again.
+    fn cut_open(&mut self, mesh: &Mesh) -> bool {
+        if !self.cut.find(mesh, &self.patch, &self.unfolding) {
+            return false;
+        }
+        self.patch.cut(mesh, &self.cut.sides);
+        if self.unfolding.unfold(mesh, &self.patch, &self.shapes) && self.gap() > WIDE_GAP {
+            return true;
+        }
+        self.patch.join();
+        self.unfolding.unfold(mesh, &self.patch, &self.shapes);
+        false
+    }
+
+    /// The two ends of each edge of the cut, as they lie on either side of it, taken in one direction through the cut.
+    fn banks(&self) -> impl Iterator<Item = [[Point2<f64>; 2]; 2]> + Clone + '_ {
+        let bank = move |&[(face, side), (next, _)]: &[(usize, usize); 2]| {
+            let here = self.patch.corners()[face];
+            let ends = [here[side], here[(side + 1) % 3]];
+            let there = ends.map(|end| {
+                let name = self.patch.vertices()[end as usize];
+                let same = |&&corner: &&u32| self.patch.vertices()[corner as usize] == name;
+                self.patch.corners()[next].iter().find(same).copied().unwrap_or(end)
+            });
+            [ends, there].map(|bank| bank.map(|end| self.unfolding.points[end as usize]))
+        };
+        let across = |bank: &[[Point2<f64>; 2]; 2]| bank[1][0] - bank[0][0] + (bank[1][1] - bank[0][1]);
+        let first = self.cut.edges.first().map_or_else(Vector2::zeros, |edge| across(&bank(edge)));
+        self.cut
+            .edges
+            .iter()
+            .map(bank)
+            .map(move |bank| if across(&bank).dot(&first) < 0.0 { [bank[1], bank[0]] } else { bank })
+    }
+
+    /// By how much the cut gapes, in lengths of its edges.
+    fn gap(&self) -> f64 {
+        let (mut gap, mut length) = (0.0, 0.0);
+        for [one, other] in self.banks() {
+            gap += (other[0] - one[0]).norm() + (other[1] - one[1]).norm();
+            length += (one[1] - one[0]).norm() + (other[1] - other[0]).norm();
+        }
+        gap / length
+    }
+
+    /// The motion from one side of the cut to the other, where there is one.
+    fn fit_period(&self) -> Option<Motion> {
+        let pairs = self.banks().flat_map(|[one, other]| [[one[0], other[0]], [one[1], other[1]]]);
+        let (period, rest) = Motion::fit(pairs)?;
+        #[expect(clippy::cast_precision_loss, reason = "a count of edges")]
+        let count = self.cut.edges.len() as f64;
+        let length = self.banks().map(|[one, _]| (one[1] - one[0]).norm()).sum::<f64>() / count;
+        (rest <= PERIOD_TOLERANCE * length).then_some(period)
+    }
+
+    /// The motion that takes the chart to its next copy beyond its cut; nothing where it has no cut or no such motion.
+    pub(crate) fn period(&self) -> Option<Motion> {
+        self.period
+    }
+
+    /// Makes the period that of a path that runs round, where it does.
+    pub(crate) fn set_period(&mut self, period: Option<Motion>) {
+        self.period = period.or(self.period);
     }
 
     /// Texture coordinates have no unit: the sides of the chart get the total length that they have in the world.
@@ -88,13 +173,12 @@ impl Chart {
     }
 
     fn reached(&self) -> impl Iterator<Item = (&[u32; 3], usize)> {
-        let facing = self.unfolding.facing.iter();
         self.patch
             .corners()
             .iter()
-            .zip(facing)
             .enumerate()
-            .filter_map(|(face, (corners, &facing))| (facing != Facing::Unreached).then_some((corners, face)))
+            .filter(|&(face, _)| self.unfolding.is_reached(face))
+            .map(|(f, c)| (c, f))
     }
 
     fn index(&mut self, mesh: &Mesh) {
@@ -102,19 +186,15 @@ impl Chart {
         self.has_point.resize(self.patch.vertices().len(), false);
         self.locator.start();
         for (face, corners) in self.patch.corners().iter().enumerate() {
-            if self.unfolding.facing[face] == Facing::Unreached {
+            if !self.unfolding.is_reached(face) {
                 continue;
             }
             for &corner in corners {
                 self.has_point[corner as usize] = true;
             }
-            let Some(edges) = mesh.face_edges(self.patch.faces()[face]) else { continue };
-            let rim = edges.map(|edge| {
-                let here = |&&other: &&FaceId| {
-                    self.patch.local_face(other).is_some_and(|f| self.unfolding.facing[f] != Facing::Unreached)
-                };
-                mesh.edge_faces(edge).iter().filter(here).count() < 2
-            });
+            // Where the chart goes on by its period, the cut is no outline.
+            let goes_on = |side: usize| self.is_cut && self.period.is_some() && self.cut.sides[face][side];
+            let rim = [0, 1, 2].map(|side| self.patch.neighbour(mesh, face, side).is_none() && !goes_on(side));
             self.locator.add(face, corners.map(|corner| self.unfolding.points[corner as usize]), rim);
         }
         self.locator.finish();
@@ -126,34 +206,27 @@ impl Chart {
         self.has_point[local].then(|| self.unfolding.points[local])
     }
 
-    /// The coordinates of a place on the cloth, if it belongs to the chart.
-    pub(crate) fn point(&self, mesh: &Mesh, place: &SurfacePoint) -> Option<Point2<f64>> {
-        match *place {
-            SurfacePoint::Vertex(vertex) => self.vertex(vertex),
-            SurfacePoint::Edge { edge, parameter } => {
-                let [a, b] = mesh.edge(edge);
-                let (a, b) = (self.vertex(a)?, self.vertex(b)?);
-                Some(a + (b - a) * parameter)
-            }
-            SurfacePoint::Face { face, barycentric } => {
-                let mut sum = Point2::origin();
-                for (vertex, weight) in mesh.face(face).into_iter().zip(barycentric) {
-                    sum += self.vertex(vertex)?.coords * weight;
-                }
-                Some(sum)
-            }
-        }
+    /// The coordinates of the corners of a face, if it belongs to the chart. Along a cut they are not those of its neighbour.
+    pub(crate) fn corners(&self, face: FaceId) -> Option<[Point2<f64>; 3]> {
+        let local = self.patch.local_face(face).filter(|&local| self.unfolding.is_reached(local))?;
+        Some(self.patch.corners()[local].map(|corner| self.unfolding.points[corner as usize]))
+    }
+
+    /// The coordinates of a place of a face of the chart.
+    pub(crate) fn point_in(&self, mesh: &Mesh, face: FaceId, place: &SurfacePoint) -> Option<Point2<f64>> {
+        let weights = weights_in(mesh, face, place)?;
+        Some(weighted(self.corners(face)?, weights))
     }
 
     /// The coordinates of a point of the cloth, if it belongs to the chart.
-    pub(crate) fn material_point(&self, point: &MaterialPoint) -> Option<Point2<f64>> {
-        let mut sum = Point2::origin();
-        for (&vertex, weight) in point.vertices.iter().zip(point.weights) {
-            if weight != 0.0 {
-                sum += self.vertex(vertex)?.coords * weight;
-            }
+    pub(crate) fn material_point(&self, mesh: &Mesh, point: &MaterialPoint) -> Option<Point2<f64>> {
+        let [a, b, c] = point.vertices;
+        if a == b && b == c {
+            return self.vertex(a);
         }
-        Some(sum)
+        let is_it = |face: &&FaceId| mesh.face(**face) == point.vertices;
+        let face = mesh.vertex_faces(a).iter().find(is_it)?;
+        Some(weighted(self.corners(*face)?, point.weights))
     }
 
     /// The unit direction of the world that a direction of the chart has in a face.
@@ -186,24 +259,43 @@ impl Chart {
 
     /// Two sides of a face from its first corner, in the chart and in the world.
     fn sides(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Option<Sides> {
-        let [a, b, c] = mesh.face(face);
-        let (flat, world) = (self.vertex(a)?, frame.position(a));
-        let (u, v) = (self.vertex(b)? - flat, self.vertex(c)? - flat);
-        Some(Sides { u, v, x: frame.position(b) - world, y: frame.position(c) - world })
+        let [flat, b, c] = self.corners(face)?;
+        let [x, y, z] = mesh.face(face).map(|corner| frame.position(corner));
+        Some(Sides { u: b - flat, v: c - flat, x: y - x, y: z - x })
     }
 
-    /// The point of the cloth with the given coordinates, or the nearest on the outline of the chart.
+    /// The point of the cloth with the given coordinates, here or in a copy of the chart beyond its cut, or the nearest on the outline.
     pub(crate) fn locate(&self, mesh: &Mesh, point: Point2<f64>) -> Option<MaterialPoint> {
-        let place = self.locator.locate(point)?;
-        Some(MaterialPoint { vertices: mesh.face(self.patch.faces()[place.face]), weights: place.barycentric })
+        let there = |place: Place| MaterialPoint {
+            vertices: mesh.face(self.patch.faces()[place.face]),
+            weights: place.barycentric,
+        };
+        let copies = || turns(self.period).map(|motion| motion.apply(point));
+        if let Some(place) = copies().find_map(|point| self.locator.within(point)) {
+            return Some(there(place));
+        }
+        let nearest = copies().filter_map(|point| self.locator.nearest_on_outline(point));
+        nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| there(place))
     }
+}
+
+/// The motions to the copies of a chart, itself first.
+pub(crate) fn turns(period: Option<Motion>) -> impl Iterator<Item = Motion> {
+    let others = if period.is_some() { TURNS } else { 0 };
+    let counts = (1..=others).flat_map(|count| [count, -count]);
+    let motions = counts.filter_map(move |count| Some(period?.times(count)));
+    std::iter::once(Motion::IDENTITY).chain(motions)
+}
+
+fn weighted([a, b, c]: [Point2<f64>; 3], weights: [f64; 3]) -> Point2<f64> {
+    Point2::from(a.coords * weights[0] + b.coords * weights[1] + c.coords * weights[2])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        correspond::samples::{sheet, sheet_faces},
+        correspond::samples::{sheet, sheet_faces, tube},
         mesh::{EdgeId, MeshDescription, Uvs},
     };
 
@@ -228,7 +320,7 @@ mod tests {
         let mut chart = Chart::default();
         chart.patch_mut().start(mesh, [FaceId(30)].into_iter());
         chart.patch_mut().grow(mesh, 2, usize::MAX);
-        assert_eq!(chart.build(mesh, frame), Some(ChartKind { source, relaxed: false }));
+        assert_eq!(chart.build(mesh, frame), Some(ChartKind { source, relaxed: false, cut: false }));
         let seed = mesh.face(FaceId(30))[0];
         for vertex in mesh.vertex_ids() {
             let Some(point) = chart.vertex(vertex) else { continue };
@@ -263,12 +355,43 @@ mod tests {
         chart.patch_mut().start(&mesh, [FaceId(0)].into_iter());
         chart.build(&mesh, &frame).unwrap();
         let [a, b] = mesh.edge(EdgeId(0));
-        let middle = chart.point(&mesh, &SurfacePoint::Edge { edge: EdgeId(0), parameter: 0.5 }).unwrap();
+        let place = SurfacePoint::Edge { edge: EdgeId(0), parameter: 0.5 };
+        let middle = chart.point_in(&mesh, FaceId(0), &place).unwrap();
         let expected = nalgebra::center(&chart.vertex(a).unwrap(), &chart.vertex(b).unwrap());
         assert!((middle - expected).norm() < 1e-15);
         let place = SurfacePoint::Face { face: FaceId(0), barycentric: [0.0, 1.0, 0.0] };
-        assert_eq!(chart.point(&mesh, &place), chart.vertex(mesh.face(FaceId(0))[1]));
-        let far = SurfacePoint::Vertex(VertexId(48));
-        assert_eq!(chart.point(&mesh, &far), None);
+        assert_eq!(chart.point_in(&mesh, FaceId(0), &place), chart.vertex(mesh.face(FaceId(0))[1]));
+        assert_eq!(chart.point_in(&mesh, FaceId(1), &place), None);
+        assert_eq!(chart.material_point(&mesh, &MaterialPoint::vertex(VertexId(48))), None);
+    }
+
+    #[test]
+    fn a_tube_is_cut_open_and_goes_on_by_its_girth() {
+        let (columns, rows) = (24, 10);
+        let mut positions = Vec::new();
+        for row in 0..=rows {
+            for column in 0..columns {
+                let angle = f64::from(column) / f64::from(columns) * std::f64::consts::TAU;
+                positions.push([angle.cos(), angle.sin(), 0.2 * f64::from(row)]);
+            }
+        }
+        let mesh = tube(columns, rows);
+        let frame = Frame::new(&mesh, &positions).unwrap();
+        let mut chart = Chart::default();
+        chart.patch_mut().start(&mesh, [FaceId(200)].into_iter());
+        chart.patch_mut().grow(&mesh, 40, usize::MAX);
+        let kind = chart.build(&mesh, &frame).unwrap();
+        assert_eq!(kind, ChartKind { source: ShapeSource::Current, relaxed: false, cut: true });
+        let girth = f64::from(columns) * 2.0 * (std::f64::consts::PI / f64::from(columns)).sin();
+        let period = chart.period().unwrap();
+        for vertex in mesh.vertex_ids() {
+            let point = chart.vertex(vertex).unwrap();
+            let next = period.apply(point);
+            assert!(((next - point).norm() - girth).abs() < 1e-9);
+            for point in [point, next, period.times(-1).apply(point)] {
+                let found = chart.locate(&mesh, point).unwrap();
+                assert!((found.position(&frame) - frame.position(vertex)).norm() < 1e-9);
+            }
+        }
     }
 }

@@ -1,11 +1,13 @@
 //! Finds the correspondences of all paths of a frame.
 
-use nalgebra::{Point2, Point3};
+use nalgebra::Point3;
 
 use super::{
     Correspondences, MaterialPoint, PathCorrespondence, Pull,
     centres::Centres,
     chart::Chart,
+    image::Image,
+    lift::Lift,
     rbf::ThinPlate,
     sheets::Sheets,
     track::{Sheet, Track},
@@ -24,6 +26,10 @@ const OWN_RINGS: usize = 2;
 const MAX_FACES: usize = 40_000;
 /// Centres beside a path lie this far from it, in edge lengths.
 const CENTRE_OFFSET: f64 = 0.5;
+/// Where the fit misses the path by more than this, in edge lengths, it gets more centres.
+const CENTRE_TOLERANCE: f64 = 0.1;
+/// How often centres are added.
+const REFINEMENTS: usize = 3;
 
 /// Finds correspondences, reusing its memory from frame to frame.
 #[derive(Debug, Default)]
@@ -34,7 +40,7 @@ pub struct Correspondent {
     track: Track,
     centres: Centres,
     plate: ThinPlate,
-    face_points: Vec<(FaceId, Point3<f64>)>,
+    face_points: Vec<(FaceId, usize, Point3<f64>)>,
 }
 
 impl Correspondent {
@@ -67,7 +73,8 @@ impl Correspondent {
         &self.correspondences
     }
 
-    /// The correspondence of one path with a region; nothing where there is no chart, or the region lies on no side of the path.
+    /// The correspondence of one path with a region; nothing where there is no chart, the region lies on no side of the path, or the
+    /// corresponding path answers for both.
     fn follow(
         &mut self,
         mesh: &Mesh,
@@ -79,61 +86,82 @@ impl Correspondent {
         let path = &analysis.paths.copies[copy];
         let points = &analysis.paths.points[path.points.clone()];
         let segments = &analysis.paths.segments[path.segments.clone()];
+        let is_joint = analysis.regions.by_copy[copy].as_ref().is_some_and(|region| region.joint);
+        if is_joint && path.partner < copy {
+            return None;
+        }
         let region = analysis.regions.vertices_of(copy);
-        let partner_region =
-            is_partitioning(analysis, path.partner).then(|| analysis.regions.vertices_of(path.partner));
-        let is_own_partner = path.partner == copy;
+        // Both paths round one region: each vertex of it belongs to another one of it, as in a fold.
+        let partner_region = if is_joint {
+            Some(region)
+        } else {
+            is_partitioning(analysis, path.partner).then(|| analysis.regions.vertices_of(path.partner))
+        };
+        let one_chart = path.partner == copy || is_joint;
         let edge_length_m = mean_edge_length(mesh, frame, segments)?;
 
         let patch = self.own.patch_mut();
         patch.start(mesh, segments.iter().map(|segment| segment.own));
+        if is_joint {
+            patch.add_faces(mesh, segments.iter().map(|segment| segment.partner));
+        }
         patch.add_around(mesh, region);
         patch.grow(mesh, OWN_RINGS, MAX_FACES);
         let own_chart = self.own.build(mesh, frame)?;
-        let partner_chart = if is_own_partner {
+        if !self.track.lay_own(mesh, points, segments, path.closed, &self.own) {
+            return None;
+        }
+        self.own.set_period(self.track.own.period);
+        let partner_chart = if one_chart {
             own_chart
         } else {
-            let rings = OWN_RINGS + 1 + depth(mesh, points, region, &self.own, edge_length_m);
+            let rings = OWN_RINGS + 1 + depth(region, &self.own, &self.track.own, edge_length_m);
             let patch = self.partner.patch_mut();
             patch.start(mesh, segments.iter().map(|segment| segment.partner));
             patch.add_around(mesh, partner_region.unwrap_or(&[]));
             patch.grow(mesh, rings, MAX_FACES);
             self.partner.build(mesh, frame)?
         };
-        let (own, partner) = (&self.own, if is_own_partner { &self.own } else { &self.partner });
-        if !self.track.lay(mesh, points, path.closed, own, partner) {
+        let partner = if one_chart { &mut self.own } else { &mut self.partner };
+        if !self.track.lay_partner(mesh, points, segments, partner) {
             return None;
         }
-        let side = self.track.region_side(mesh, points, Sheet::Own, own, region)?;
-        let image_side =
-            partner_region.and_then(|region| self.track.region_side(mesh, points, Sheet::Partner, partner, region));
+        partner.set_period(self.track.partner.period);
+        let (own, partner) = (&self.own, if one_chart { &self.own } else { &self.partner });
+        let side = self.track.region_side(mesh, points, segments, Sheet::Own, own, region)?;
+        let image_side = partner_region
+            .and_then(|region| self.track.region_side(mesh, points, segments, Sheet::Partner, partner, region));
         let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
         let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
 
-        let count = centre_count(self.track.length(), edge_length_m, settings);
-        self.centres.choose(&self.track, count, sides, CENTRE_OFFSET * edge_length_m);
-        if !self.plate.fit(&self.centres.from, &self.centres.to) {
-            return None;
-        }
+        let residual_m =
+            fit(&mut self.centres, &mut self.plate, &self.track, sides, edge_length_m, is_joint, settings)?;
         // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
-        let share = if partner_region.is_some() { 0.5 } else { 1.0 };
+        let share = if partner_region.is_some() && !is_joint { 0.5 } else { 1.0 };
         let (first_pull, first_parting) = (self.correspondences.pulls.len(), self.correspondences.partings.len());
         sheets.part(sides, share, &mut self.correspondences.partings);
+        let image = Image { own, partner, track: &self.track, plate: &self.plate, sides };
+        let pulls = &mut self.correspondences.pulls;
+        let mut pull = |source: MaterialPoint| {
+            if let Some(target) = image.of(mesh, &source) {
+                pulls.push(Pull { source, target });
+            }
+        };
         if region.is_empty() {
-            points_within(mesh, points, segments, &mut self.face_points, |point| {
-                pull(mesh, own, partner, &self.plate, point, &mut self.correspondences.pulls);
-            });
+            points_within(mesh, points, segments, &mut self.face_points, &mut pull);
         }
         for &vertex in region {
-            let point = MaterialPoint::vertex(vertex);
-            pull(mesh, own, partner, &self.plate, point, &mut self.correspondences.pulls);
+            pull(MaterialPoint::vertex(vertex));
         }
         Some(PathCorrespondence {
             copy,
             own_chart,
             partner_chart,
+            round: self.track.own.period.is_some() && self.track.partner.period.is_some(),
             num_centres: self.centres.from.len(),
             rank_deficiency: self.centres.from.len() + 3 - self.plate.rank(),
+            condition: self.plate.condition(),
+            residual_m,
             edge_length_m,
             pulls: first_pull..self.correspondences.pulls.len(),
             partings: first_parting..self.correspondences.partings.len(),
@@ -141,12 +169,37 @@ impl Correspondent {
     }
 }
 
-/// Adds the way from a point to its target, if both lie in the charts.
-fn pull(mesh: &Mesh, own: &Chart, partner: &Chart, plate: &ThinPlate, source: MaterialPoint, pulls: &mut Vec<Pull>) {
-    let target = own.material_point(&source).and_then(|point| partner.locate(mesh, plate.evaluate(point)));
-    if let Some(target) = target {
-        pulls.push(Pull { source, target });
+/// Fits the map from path to path, with as many centres as it takes, and says by how much it still misses the path, in metres.
+fn fit(
+    centres: &mut Centres,
+    plate: &mut ThinPlate,
+    track: &Track,
+    sides: (f64, f64),
+    edge_length_m: f64,
+    mutual: bool,
+    settings: &Settings,
+) -> Option<f64> {
+    let more = |count: usize| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "small counts"
+        )]
+        let more = (count as f64 * track.sampled_part()).ceil() as usize;
+        more
+    };
+    centres.start(track, more(centre_count(track.length(), edge_length_m, settings)));
+    for _ in 0..=REFINEMENTS {
+        centres.place(track, sides, CENTRE_OFFSET * edge_length_m, mutual);
+        if !plate.fit(&centres.from, &centres.to) {
+            return None;
+        }
+        if !centres.refine(track, plate, CENTRE_TOLERANCE * edge_length_m, more(settings.max_centres)) {
+            break;
+        }
     }
+    Some(Centres::residual(track, plate))
 }
 
 /// One point inside on each face that a region without vertices runs through: the middle of the path's ways through the face.
@@ -155,19 +208,19 @@ fn points_within(
     mesh: &Mesh,
     points: &[PathPoint],
     segments: &[PathSegment],
-    scratch: &mut Vec<(FaceId, Point3<f64>)>,
-    mut found: impl FnMut(MaterialPoint),
+    scratch: &mut Vec<(FaceId, usize, Point3<f64>)>,
+    found: &mut impl FnMut(MaterialPoint),
 ) {
     scratch.clear();
     for (index, segment) in segments.iter().enumerate() {
         if let Some(middle) = MaterialPoint::middle(mesh, segment.own, [&points[index].own, &points[index + 1].own]) {
-            scratch.push((segment.own, Point3::from(middle.weights)));
+            scratch.push((segment.own, index, Point3::from(middle.weights)));
         }
     }
-    scratch.sort_by_key(|&(face, _)| face);
+    scratch.sort_unstable_by_key(|&(face, index, _)| (face, index));
     for ways in scratch.chunk_by(|a, b| a.0 == b.0).filter(|ways| ways.len() > 1) {
         let mut weights = [0.0; 3];
-        for (_, middle) in ways {
+        for (_, _, middle) in ways {
             for (sum, weight) in weights.iter_mut().zip(middle.iter()) {
                 *sum += weight;
             }
@@ -182,18 +235,9 @@ fn is_partitioning(analysis: &Analysis, copy: usize) -> bool {
 }
 
 /// How far, in edges, a region reaches from its path.
-fn depth(mesh: &Mesh, points: &[PathPoint], region: &[VertexId], own: &Chart, edge_length_m: f64) -> usize {
-    // Some thirty points of the path are enough for an estimate.
-    let stride = points.len() / 30 + 1;
-    let stations: Vec<Point2<f64>> =
-        points.iter().step_by(stride).filter_map(|point| own.point(mesh, &point.own)).collect();
-    let mut depth: f64 = 0.0;
-    for point in region.iter().filter_map(|&vertex| own.vertex(vertex)) {
-        let nearest = stations.iter().map(|station| (station - point).norm_squared()).fold(f64::INFINITY, f64::min);
-        if nearest.is_finite() {
-            depth = depth.max(nearest.sqrt());
-        }
-    }
+fn depth(region: &[VertexId], chart: &Chart, path: &Lift, edge_length_m: f64) -> usize {
+    let distances = region.iter().filter_map(|&vertex| Some(path.nearest_copy(chart, chart.vertex(vertex)?).1));
+    let depth = distances.filter(|distance| distance.is_finite()).fold(0.0, f64::max);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, which is what is wanted")]
     let rings = (1.5 * depth / edge_length_m).ceil() as usize;
     rings

@@ -30,8 +30,6 @@ pub(crate) struct Place {
     pub(crate) face: usize,
     /// One coordinate for each corner; not negative, and they sum to 1.
     pub(crate) barycentric: [f64; 3],
-    /// Whether the point asked for lies outside of all faces, and this is the nearest place on their outline.
-    pub(crate) outside: bool,
 }
 
 impl Locator {
@@ -104,21 +102,22 @@ impl Locator {
         (whole(at.x).min(self.columns - 1), whole(at.y).min(self.rows - 1))
     }
 
-    /// The place of a point; of several faces over it, the one added first. Nothing where there are no faces.
-    pub(crate) fn locate(&self, point: Point2<f64>) -> Option<Place> {
+    /// The face over a point; of several, the one added first.
+    pub(crate) fn within(&self, point: Point2<f64>) -> Option<Place> {
         let cell = self.cell_of(point);
         let cell = cell.1 * self.columns + cell.0;
         // After filling, cell k starts where entry k + 1 says.
         let end = self.starts.get(cell + 2).copied().unwrap_or(narrow(self.items.len()));
         for &number in &self.items[self.starts[cell + 1] as usize..end as usize] {
             if let Some(barycentric) = inside(&self.triangles[number as usize], point) {
-                return Some(Place { face: self.faces[number as usize] as usize, barycentric, outside: false });
+                return Some(Place { face: self.faces[number as usize] as usize, barycentric });
             }
         }
-        self.nearest_on_outline(point)
+        None
     }
 
-    fn nearest_on_outline(&self, point: Point2<f64>) -> Option<Place> {
+    /// The nearest place on the outline, and the square of its distance. Nothing where there are no faces.
+    pub(crate) fn nearest_on_outline(&self, point: Point2<f64>) -> Option<(f64, Place)> {
         let mut nearest: Option<(f64, Place)> = None;
         for rim in &self.outline {
             let triangle = &self.triangles[rim.triangle as usize];
@@ -133,10 +132,10 @@ impl Locator {
                 barycentric[a] = 1.0 - parameter;
                 barycentric[b] = parameter;
                 let face = self.faces[rim.triangle as usize] as usize;
-                nearest = Some((distance, Place { face, barycentric, outside: true }));
+                nearest = Some((distance, Place { face, barycentric }));
             }
         }
-        nearest.map(|(_, place)| place)
+        nearest
     }
 }
 
@@ -195,9 +194,10 @@ mod tests {
         for i in 0..=100 {
             for j in 0..=80 {
                 let point = Point2::new(f64::from(i) * 0.005, f64::from(j) * 0.005);
-                let place = locator.locate(point).unwrap();
+                let place = locator.within(point);
+                assert!(place.is_some() || i == 100 || j == 80 || i == 0 || j == 0);
+                let place = place.or_else(|| Some(locator.nearest_on_outline(point)?.1)).unwrap();
                 assert!((at(&triangles, &place) - point).norm() < 1e-12, "{point} {place:?}");
-                assert!(!place.outside || i == 100 || j == 80 || i == 0 || j == 0);
             }
         }
     }
@@ -206,12 +206,14 @@ mod tests {
     fn a_point_outside_goes_to_the_nearest_place_of_the_outline() {
         let (locator, triangles) = locator();
         for (point, expected) in [((0.23, -3.0), (0.23, 0.0)), ((0.9, 0.9), (0.5, 0.4)), ((-0.1, 0.33), (0.0, 0.33))] {
-            let place = locator.locate(Point2::new(point.0, point.1)).unwrap();
-            assert!(place.outside);
+            let point = Point2::new(point.0, point.1);
+            assert_eq!(locator.within(point), None);
+            let (squared, place) = locator.nearest_on_outline(point).unwrap();
+            assert!((squared - (at(&triangles, &place) - point).norm_squared()).abs() < 1e-12);
             assert!((at(&triangles, &place) - Point2::new(expected.0, expected.1)).norm() < 1e-12);
         }
         let mut empty = Locator::default();
         empty.finish();
-        assert_eq!(empty.locate(Point2::origin()), None);
+        assert_eq!((empty.within(Point2::origin()), empty.nearest_on_outline(Point2::origin())), (None, None));
     }
 }

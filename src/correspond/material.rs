@@ -46,7 +46,7 @@ impl MaterialPoint {
 }
 
 /// Barycentric coordinates of a place in a face that it belongs to.
-fn weights_in(mesh: &Mesh, face: FaceId, place: &SurfacePoint) -> Option<[f64; 3]> {
+pub(crate) fn weights_in(mesh: &Mesh, face: FaceId, place: &SurfacePoint) -> Option<[f64; 3]> {
     let corners = mesh.face(face);
     let corner_of = |vertex| corners.iter().position(|&corner| corner == vertex);
     let mut weights = [0.0; 3];

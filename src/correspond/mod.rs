@@ -7,9 +7,15 @@
 
 mod centres;
 mod chart;
+mod cholesky;
+mod cut;
 mod find;
+mod image;
+mod lift;
 mod locate;
 mod material;
+mod memory;
+mod motion;
 mod patch;
 mod rbf;
 mod relax;
@@ -68,10 +74,16 @@ pub struct PathCorrespondence {
     pub own_chart: ChartKind,
     /// Chart of the surroundings of the corresponding path.
     pub partner_chart: ChartKind,
+    /// Whether path and corresponding path both run round a tube.
+    pub round: bool,
     /// Centres of the fit.
     pub num_centres: usize,
     /// By how much the rank of the fit falls short of full.
     pub rank_deficiency: usize,
+    /// Estimate of the condition number of the fit, as far as its rank goes.
+    pub condition: f64,
+    /// By how much the fit misses the path between its centres at worst, in metres.
+    pub residual_m: f64,
     /// Mean edge length of the faces that the path runs through, in metres.
     pub edge_length_m: f64,
     /// Its pulls in [`Correspondences::pulls`].

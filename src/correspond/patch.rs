@@ -15,6 +15,12 @@ pub(crate) struct Patch {
     num_seeds: usize,
     face_index: Vec<u32>,
     vertex_index: Vec<u32>,
+    /// Vertices before a cut doubled some of them, and for each added one the vertex it is a copy of.
+    num_whole: usize,
+    copied_from: Vec<u32>,
+    sectors: Vec<u32>,
+    names: Vec<u32>,
+    is_taken: Vec<bool>,
 }
 
 impl Patch {
@@ -29,10 +35,15 @@ impl Patch {
         self.corners.clear();
         self.face_index.resize(mesh.num_faces(), ABSENT);
         self.vertex_index.resize(mesh.num_vertices(), ABSENT);
-        for face in path_faces {
+        self.add_faces(mesh, path_faces);
+        self.num_seeds = self.faces.len();
+    }
+
+    /// Adds faces.
+    pub(crate) fn add_faces(&mut self, mesh: &Mesh, faces: impl Iterator<Item = FaceId>) {
+        for face in faces {
             self.add_face(mesh, face);
         }
-        self.num_seeds = self.faces.len();
     }
 
     /// Adds every face that touches one of `vertices`.
@@ -78,6 +89,70 @@ impl Patch {
         self.corners.push(corners);
     }
 
+    /// The face beside a side of a face, and its own side there. Nothing on the outline of the patch, beyond a non-manifold edge and across
+    /// a cut.
+    pub(crate) fn neighbour(&self, mesh: &Mesh, face: usize, side: usize) -> Option<(usize, usize)> {
+        let edge = mesh.face_edges(self.faces[face])?[side];
+        let &[one, other] = mesh.edge_faces(edge) else { return None };
+        let next = self.local_face(if one == self.faces[face] { other } else { one })?;
+        let (a, b) = (self.corners[face][side], self.corners[face][(side + 1) % 3]);
+        let there = &self.corners[next];
+        let is_same = |k: &usize| {
+            let (c, d) = (there[*k], there[(*k + 1) % 3]);
+            (a, b) == (d, c) || (a, b) == (c, d)
+        };
+        (0..3).find(is_same).map(|there| (next, there))
+    }
+
+    /// Cuts the patch along sides of its faces: vertices on the cut get a copy for each sector of faces that is left round them.
+    pub(crate) fn cut(&mut self, mesh: &Mesh, sides: &[[bool; 3]]) {
+        self.num_whole = self.vertices.len();
+        self.copied_from.clear();
+        self.sectors.clear();
+        self.sectors.extend((0..).take(3 * self.faces.len()));
+        for (face, cut) in sides.iter().enumerate() {
+            for side in (0..3).filter(|&side| !cut[side]) {
+                let Some((next, there)) = self.neighbour(mesh, face, side).filter(|&(next, _)| next > face) else {
+                    continue;
+                };
+                for corner in [side, (side + 1) % 3] {
+                    let vertex = self.corners[face][corner];
+                    let other = if self.corners[next][there] == vertex { there } else { (there + 1) % 3 };
+                    let (a, b) =
+                        (root(&mut self.sectors, 3 * face + corner), root(&mut self.sectors, 3 * next + other));
+                    self.sectors[a.max(b)] = small(a.min(b));
+                }
+            }
+        }
+        self.names.clear();
+        self.names.resize(3 * self.faces.len(), ABSENT);
+        self.is_taken.clear();
+        self.is_taken.resize(self.vertices.len(), false);
+        for slot in 0..3 * self.faces.len() {
+            let root = root(&mut self.sectors, slot);
+            let vertex = &mut self.corners[slot / 3][slot % 3];
+            if self.names[root] == ABSENT {
+                self.names[root] = *vertex;
+                if std::mem::replace(&mut self.is_taken[*vertex as usize], true) {
+                    self.names[root] = small(self.vertices.len());
+                    self.copied_from.push(*vertex);
+                    self.vertices.push(self.vertices[*vertex as usize]);
+                }
+            }
+            *vertex = self.names[root];
+        }
+    }
+
+    /// Undoes the last [`cut`](Self::cut).
+    pub(crate) fn join(&mut self) {
+        for vertex in self.corners.iter_mut().flatten() {
+            if *vertex as usize >= self.num_whole {
+                *vertex = self.copied_from[*vertex as usize - self.num_whole];
+            }
+        }
+        self.vertices.truncate(self.num_whole);
+    }
+
     /// The faces; those of the path come first.
     pub(crate) fn faces(&self) -> &[FaceId] {
         &self.faces
@@ -93,7 +168,7 @@ impl Patch {
         &self.corners
     }
 
-    /// The vertices.
+    /// The vertices; copies made by a cut come last.
     pub(crate) fn vertices(&self) -> &[VertexId] {
         &self.vertices
     }
@@ -107,6 +182,15 @@ impl Patch {
     pub(crate) fn local_vertex(&self, vertex: VertexId) -> Option<usize> {
         self.vertex_index.get(vertex.index()).filter(|&&index| index != ABSENT).map(|&index| index as usize)
     }
+}
+
+/// The first slot of the sector that a slot belongs to.
+fn root(sectors: &mut [u32], mut slot: usize) -> usize {
+    while sectors[slot] as usize != slot {
+        sectors[slot] = sectors[sectors[slot] as usize];
+        slot = sectors[slot] as usize;
+    }
+    slot
 }
 
 fn small(index: usize) -> u32 {

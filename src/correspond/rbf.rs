@@ -4,8 +4,22 @@
 //! no affine part (Wicke, Lanker and Gross 2006, equations 1 to 3; the matrix A there is n x 3, not n x 4). Both sides are centred
 //! and scaled to unit size first: without that the condition number is that of the unit of length.
 
-use faer::{Mat, linalg::solvers::ColPivQr};
+use faer::{
+    Conj, MatMut, MatRef, Par,
+    linalg::{
+        householder::{
+            apply_block_householder_sequence_transpose_on_the_left_in_place_scratch,
+            apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj,
+        },
+        qr::{
+            col_pivoting::factor::{qr_in_place, qr_in_place_scratch},
+            no_pivoting::factor::recommended_block_size,
+        },
+    },
+};
 use nalgebra::{Point2, Vector2};
+
+use super::memory::Memory;
 
 /// Pivots below this part of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-11;
@@ -18,7 +32,7 @@ pub(crate) struct ThinPlate {
     polynomial: [Vector2<f64>; 3],
     from: Scaling,
     to: Scaling,
-    rank: usize,
+    solver: Solver,
 }
 
 /// Takes a set of points to mean 0 and greatest distance 1.
@@ -74,19 +88,21 @@ impl ThinPlate {
         self.centres.clear();
         self.centres.extend(centres.iter().map(|&centre| self.from.apply(centre)));
         let size = num_centres + 3;
-        let matrix = Mat::from_fn(size, size, |row, column| match (row < num_centres, column < num_centres) {
-            (true, true) => kernel((self.centres[row] - self.centres[column]).norm_squared()),
-            (true, false) => monomial(self.centres[row], column - num_centres),
-            (false, true) => monomial(self.centres[column], row - num_centres),
-            (false, false) => 0.0,
-        });
-        let mut unknowns =
-            Mat::from_fn(size, 2, |row, axis| if row < num_centres { self.to.apply(values[row])[axis] } else { 0.0 });
-        self.rank = solve_by_rank(&matrix, &mut unknowns);
-        let at = |row: usize| Vector2::new(unknowns[(row, 0)], unknowns[(row, 1)]);
+        let centres = &self.centres;
+        let values = values.iter().map(|&value| self.to.apply(value));
+        let unknowns = self.solver.solve(
+            size,
+            |row, column| match (row < num_centres, column < num_centres) {
+                (true, true) => kernel((centres[row] - centres[column]).norm_squared()),
+                (true, false) => monomial(centres[row], column - num_centres),
+                (false, true) => monomial(centres[column], row - num_centres),
+                (false, false) => 0.0,
+            },
+            values,
+        );
         self.weights.clear();
-        self.weights.extend((0..num_centres).map(at));
-        self.polynomial = [0, 1, 2].map(|k| at(num_centres + k));
+        self.weights.extend_from_slice(&unknowns[..num_centres]);
+        self.polynomial = [0, 1, 2].map(|k| unknowns[num_centres + k]);
         self.weights.iter().chain(&self.polynomial).all(|weight| weight.iter().all(|value| value.is_finite()))
     }
 
@@ -102,7 +118,13 @@ impl ThinPlate {
 
     /// Rank of the system; full is the number of centres plus three.
     pub(crate) fn rank(&self) -> usize {
-        self.rank
+        self.solver.rank
+    }
+
+    /// Estimate of the condition number of the system, without what its rank falls short of: the ratio of the largest to the smallest
+    /// pivot.
+    pub(crate) fn condition(&self) -> f64 {
+        self.solver.condition
     }
 }
 
@@ -119,30 +141,79 @@ fn monomial(point: Point2<f64>, index: usize) -> f64 {
     }
 }
 
-/// Solves a square system by a QR factorisation with column pivoting, in place of the right-hand sides; unknowns without a pivot become
-/// zero. Returns the rank.
-fn solve_by_rank(matrix: &Mat<f64>, unknowns: &mut Mat<f64>) -> usize {
-    let size = matrix.nrows();
-    let factors = ColPivQr::new(matrix.as_ref());
-    let upper = factors.R();
-    let largest = upper[(0, 0)].abs();
-    let rank = (0..size).take_while(|&k| upper[(k, k)].abs() > largest * RANK_TOLERANCE).count();
-    let rotated = factors.compute_Q().transpose() * &*unknowns;
-    let (order, _) = factors.P().arrays();
-    for axis in 0..unknowns.ncols() {
-        let mut solved = vec![0.0; size];
-        for row in (0..rank).rev() {
-            let mut rest = rotated[(row, axis)];
-            for column in row + 1..rank {
-                rest -= upper[(row, column)] * solved[column];
+/// Solves square systems by a QR factorisation with column pivoting, in memory of its own.
+#[derive(Debug, Default)]
+struct Solver {
+    /// Column by column.
+    matrix: Vec<f64>,
+    reflections: Vec<f64>,
+    sides: Vec<f64>,
+    order: Vec<usize>,
+    inverse: Vec<usize>,
+    unknowns: Vec<Vector2<f64>>,
+    memory: Memory,
+    rank: usize,
+    condition: f64,
+}
+
+impl Solver {
+    /// Solves for two right-hand sides; rows without a value have zero. Unknowns without a pivot become zero.
+    fn solve(
+        &mut self,
+        size: usize,
+        entry: impl Fn(usize, usize) -> f64,
+        values: impl Iterator<Item = Point2<f64>>,
+    ) -> &[Vector2<f64>] {
+        self.matrix.clear();
+        self.matrix.extend((0..size * size).map(|slot| entry(slot % size, slot / size)));
+        self.sides.clear();
+        self.sides.resize(2 * size, 0.0);
+        for (row, value) in values.enumerate() {
+            self.sides[row] = value.x;
+            self.sides[size + row] = value.y;
+        }
+        self.order.resize(size, 0);
+        self.inverse.resize(size, 0);
+        let block = recommended_block_size::<f64>(size, size);
+        self.reflections.clear();
+        self.reflections.resize(block * size, 0.0);
+        let stack =
+            self.memory
+                .stack(qr_in_place_scratch::<usize, f64>(size, size, block, Par::Seq, faer::Spec::default()).or(
+                    apply_block_householder_sequence_transpose_on_the_left_in_place_scratch::<f64>(size, block, 2),
+                ));
+        qr_in_place(
+            MatMut::from_column_major_slice_mut(&mut self.matrix, size, size),
+            MatMut::from_column_major_slice_mut(&mut self.reflections, block, size),
+            &mut self.order,
+            &mut self.inverse,
+            Par::Seq,
+            stack,
+            faer::Spec::default(),
+        );
+        let upper = MatRef::from_column_major_slice(&self.matrix, size, size);
+        apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj(
+            upper,
+            MatRef::from_column_major_slice(&self.reflections, block, size),
+            Conj::No,
+            MatMut::from_column_major_slice_mut(&mut self.sides, size, 2),
+            Par::Seq,
+            stack,
+        );
+        let pivot = |k: usize| upper[(k, k)].abs();
+        self.rank = (0..size).take_while(|&k| pivot(k) > pivot(0) * RANK_TOLERANCE).count();
+        self.condition = if self.rank > 0 { pivot(0) / pivot(self.rank - 1) } else { f64::INFINITY };
+        self.unknowns.clear();
+        self.unknowns.resize(size, Vector2::zeros());
+        for row in (0..self.rank).rev() {
+            let mut rest = Vector2::new(self.sides[row], self.sides[size + row]);
+            for column in row + 1..self.rank {
+                rest -= self.unknowns[self.order[column]] * upper[(row, column)];
             }
-            solved[row] = rest / upper[(row, row)];
+            self.unknowns[self.order[row]] = rest / upper[(row, row)];
         }
-        for (&place, &value) in order.iter().zip(&solved) {
-            unknowns[(place, axis)] = value;
-        }
+        &self.unknowns
     }
-    rank
 }
 
 #[cfg(test)]
@@ -166,6 +237,7 @@ mod tests {
         let mut plate = ThinPlate::default();
         assert!(plate.fit(&centres, &values));
         assert_eq!(plate.rank(), 10);
+        assert!(plate.condition() > 1.0 && plate.condition() < 1e4, "{}", plate.condition());
         for point in [Point2::new(3.0, 5.0), Point2::new(3.02, 4.97)] {
             assert!((plate.evaluate(point) - map(point)).norm() < 1e-12);
         }

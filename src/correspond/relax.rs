@@ -4,14 +4,10 @@
 //! annulus, where unfolding tears; then the local-global iteration of Liu, Zhang, Xu, Gotsman and Gortler (2008) brings the lengths
 //! back. Weights are cotangents of the shapes, kept positive so that the systems stay definite.
 
-use faer::{
-    Mat, Side,
-    linalg::solvers::Solve,
-    sparse::{SparseColMat, Triplet},
-};
 use nalgebra::{Point2, Vector2};
 
 use super::{
+    cholesky::Cholesky,
     patch::Patch,
     shapes::Shape,
     unfold::{Facing, Unfolding},
@@ -22,21 +18,140 @@ const RIGID_ITERATIONS: usize = 8;
 const SMALLEST_WEIGHT: f64 = 0.05;
 const SMALLEST_AREA: f64 = 1e-3;
 
-type Entry = Triplet<usize, usize, f64>;
+/// Memory of the two systems.
+#[derive(Debug, Default)]
+pub(crate) struct Relaxation {
+    faces: Vec<Face>,
+    start: Vec<Point2<f64>>,
+    used: Vec<bool>,
+    system: Cholesky,
+    unknowns: [Vec<f64>; 2],
+}
 
-/// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with the places
-/// untouched, where a system can't be solved.
-pub(crate) fn relax(patch: &Patch, shapes: &[Shape], unfolding: &mut Unfolding) -> bool {
-    let start = unfolding.points.clone();
-    let faces: Vec<Face> = faces_of(patch, shapes, unfolding);
-    if faces.is_empty() || !conform(&faces, &start, &mut unfolding.points) || !stiffen(&faces, &mut unfolding.points) {
-        unfolding.points = start;
-        return false;
+impl Relaxation {
+    /// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with the places
+    /// untouched, where a system can't be solved.
+    pub(crate) fn relax(&mut self, patch: &Patch, shapes: &[Shape], unfolding: &mut Unfolding) -> bool {
+        self.start.clear();
+        self.start.extend_from_slice(&unfolding.points);
+        self.used.clear();
+        self.used.resize(unfolding.points.len(), false);
+        faces_of(patch, shapes, unfolding, &mut self.faces);
+        for corner in self.faces.iter().flat_map(|face| face.corners) {
+            self.used[corner] = true;
+        }
+        if self.faces.is_empty() || !self.conform(&mut unfolding.points) || !self.stiffen(&mut unfolding.points) {
+            unfolding.points.copy_from_slice(&self.start);
+            return false;
+        }
+        true
     }
-    true
+
+    /// Least squares of the Cauchy-Riemann equations of all faces, two vertices held where they lie.
+    fn conform(&mut self, points: &mut [Point2<f64>]) -> bool {
+        let num_points = points.len();
+        self.system.start(2 * num_points);
+        for face in &self.faces {
+            // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the corner.
+            let opposite = [1, 2, 0].map(|k: usize| face.sides[k] / (2.0 * face.area).sqrt());
+            let real: [(usize, f64); 6] = std::array::from_fn(|k| {
+                let (corner, axis) = (k / 2, k % 2);
+                (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].x } else { -opposite[corner].y })
+            });
+            let imaginary: [(usize, f64); 6] = std::array::from_fn(|k| {
+                let (corner, axis) = (k / 2, k % 2);
+                (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].y } else { opposite[corner].x })
+            });
+            for row in [real, imaginary] {
+                for (i, a) in row {
+                    for (j, b) in row {
+                        self.system.add(i, j, a * b);
+                    }
+                }
+            }
+        }
+        let start = &self.start;
+        let first = self.faces[0].corners[0];
+        let mut second = first;
+        for (vertex, _) in self.used.iter().enumerate().filter(|&(_, &used)| used) {
+            if (start[vertex] - start[first]).norm_squared() > (start[second] - start[first]).norm_squared() {
+                second = vertex;
+            }
+        }
+        let [unknowns, _] = &mut self.unknowns;
+        unknowns.clear();
+        for (vertex, place) in start.iter().enumerate() {
+            let held = vertex == first || vertex == second || !self.used[vertex];
+            // The tiny weight keeps vertices that hang on by nothing but a corner from making the system singular.
+            let weight = if held { 1.0 } else { 1e-12 };
+            for (axis, &value) in place.iter().enumerate() {
+                self.system.add(2 * vertex + axis, 2 * vertex + axis, weight);
+                unknowns.push(weight * value);
+            }
+        }
+        if !self.system.factorise() {
+            return false;
+        }
+        self.system.solve(unknowns);
+        for (point, place) in points.iter_mut().zip(unknowns.chunks_exact(2)) {
+            *point = Point2::new(place[0], place[1]);
+        }
+        unknowns.iter().all(|value| value.is_finite())
+    }
+
+    /// As rigid as possible: alternates the best rotation of every face and the best places for these rotations.
+    fn stiffen(&mut self, points: &mut [Point2<f64>]) -> bool {
+        self.system.start(points.len());
+        for face in &self.faces {
+            for (k, &weight) in face.weights.iter().enumerate() {
+                let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
+                for (row, column, value) in [(a, a, weight), (b, b, weight), (a, b, -weight), (b, a, -weight)] {
+                    self.system.add(row, column, value);
+                }
+            }
+        }
+        let (first, used) = (self.faces[0].corners[0], &self.used);
+        let held = |vertex: usize| if vertex == first || !used[vertex] { 1.0 } else { 1e-9 };
+        for vertex in 0..points.len() {
+            self.system.add(vertex, vertex, held(vertex));
+        }
+        if !self.system.factorise() {
+            return false;
+        }
+        for _ in 0..RIGID_ITERATIONS {
+            for (axis, places) in self.unknowns.iter_mut().enumerate() {
+                places.clear();
+                places.extend(points.iter().enumerate().map(|(vertex, point)| held(vertex) * point[axis]));
+            }
+            for face in &self.faces {
+                let mut spin = Vector2::zeros();
+                for (k, &weight) in face.weights.iter().enumerate() {
+                    let (shape, lies) = (face.sides[k], points[face.corners[(k + 1) % 3]] - points[face.corners[k]]);
+                    spin += Vector2::new(shape.dot(&lies), shape.perp(&lies)) * weight;
+                }
+                let spin = spin.try_normalize(0.0).unwrap_or_else(Vector2::x);
+                for (k, &weight) in face.weights.iter().enumerate() {
+                    let side = face.sides[k];
+                    let turned =
+                        Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
+                    for (axis, places) in self.unknowns.iter_mut().enumerate() {
+                        places[face.corners[k]] -= turned[axis];
+                        places[face.corners[(k + 1) % 3]] += turned[axis];
+                    }
+                }
+            }
+            self.unknowns.iter_mut().for_each(|places| self.system.solve(places));
+            let [x, y] = &self.unknowns;
+            for (point, (&x, &y)) in points.iter_mut().zip(x.iter().zip(y)) {
+                *point = Point2::new(x, y);
+            }
+        }
+        points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
+    }
 }
 
 /// A reached face with its shape as it lies in the chart, at the scale of the unfolding.
+#[derive(Debug)]
 struct Face {
     corners: [usize; 3],
     sides: [Vector2<f64>; 3],
@@ -44,8 +159,8 @@ struct Face {
     weights: [f64; 3],
 }
 
-fn faces_of(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding) -> Vec<Face> {
-    let mut faces = Vec::new();
+fn faces_of(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding, faces: &mut Vec<Face>) {
+    faces.clear();
     let placed = unfolding.facing.iter().zip(&unfolding.scales);
     for ((corners, shape), (facing, &scale)) in patch.corners().iter().zip(shapes).zip(placed) {
         let mut shape = *shape;
@@ -69,7 +184,6 @@ fn faces_of(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding) -> Vec<Face>
         });
         faces.push(Face { corners, sides, area, weights });
     }
-    faces
 }
 
 fn sides(at: &Shape) -> [Vector2<f64>; 3] {
@@ -78,130 +192,6 @@ fn sides(at: &Shape) -> [Vector2<f64>; 3] {
 
 fn longest(sides: &[Vector2<f64>; 3]) -> f64 {
     sides.iter().map(Vector2::norm).fold(0.0, f64::max)
-}
-
-/// Least squares of the Cauchy-Riemann equations of all faces, two vertices held where they lie.
-fn conform(faces: &[Face], start: &[Point2<f64>], points: &mut [Point2<f64>]) -> bool {
-    let num_points = points.len();
-    let mut entries: Vec<Entry> = Vec::with_capacity(36 * faces.len() + 4 * num_points);
-    let mut used = vec![false; num_points];
-    for face in faces {
-        for corner in face.corners {
-            used[corner] = true;
-        }
-        // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the corner.
-        let opposite = [1, 2, 0].map(|k: usize| face.sides[k] / (2.0 * face.area).sqrt());
-        let real: [(usize, f64); 6] = std::array::from_fn(|k| {
-            let (corner, axis) = (k / 2, k % 2);
-            (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].x } else { -opposite[corner].y })
-        });
-        let imaginary: [(usize, f64); 6] = std::array::from_fn(|k| {
-            let (corner, axis) = (k / 2, k % 2);
-            (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].y } else { opposite[corner].x })
-        });
-        for row in [real, imaginary] {
-            for (i, a) in row {
-                for (j, b) in row {
-                    entries.push(Triplet { row: i, col: j, val: a * b });
-                }
-            }
-        }
-    }
-    let first = faces[0].corners[0];
-    let mut second = first;
-    for (vertex, _) in used.iter().enumerate().filter(|&(_, &used)| used) {
-        if (start[vertex] - start[first]).norm_squared() > (start[second] - start[first]).norm_squared() {
-            second = vertex;
-        }
-    }
-    let mut places = Mat::zeros(2 * num_points, 1);
-    for (vertex, place) in start.iter().enumerate() {
-        let held = vertex == first || vertex == second || !used[vertex];
-        for (axis, &value) in place.iter().enumerate() {
-            let row = 2 * vertex + axis;
-            // The tiny weight keeps vertices that hang on by nothing but a corner from making the system singular.
-            let weight = if held { 1.0 } else { 1e-12 };
-            entries.push(Triplet { row, col: row, val: weight });
-            places[(row, 0)] = weight * value;
-        }
-    }
-    if !solve(2 * num_points, &entries, &mut places) {
-        return false;
-    }
-    for (vertex, point) in points.iter_mut().enumerate() {
-        *point = Point2::new(places[(2 * vertex, 0)], places[(2 * vertex + 1, 0)]);
-    }
-    true
-}
-
-/// As rigid as possible: alternates the best rotation of every face and the best places for these rotations.
-fn stiffen(faces: &[Face], points: &mut [Point2<f64>]) -> bool {
-    let num_points = points.len();
-    let mut entries: Vec<Entry> = Vec::with_capacity(12 * faces.len() + num_points);
-    let mut used = vec![false; num_points];
-    for face in faces {
-        for (k, &weight) in face.weights.iter().enumerate() {
-            let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
-            used[a] = true;
-            entries.push(Triplet { row: a, col: a, val: weight });
-            entries.push(Triplet { row: b, col: b, val: weight });
-            entries.push(Triplet { row: a, col: b, val: -weight });
-            entries.push(Triplet { row: b, col: a, val: -weight });
-        }
-    }
-    let first = faces[0].corners[0];
-    let held = |vertex: usize, used: &[bool]| {
-        if vertex == first || !used[vertex] { 1.0 } else { 1e-9 }
-    };
-    for vertex in 0..num_points {
-        entries.push(Triplet { row: vertex, col: vertex, val: held(vertex, &used) });
-    }
-    let Ok(matrix) = SparseColMat::<usize, f64>::try_new_from_triplets(num_points, num_points, &entries) else {
-        return false;
-    };
-    let Ok(factors) = matrix.sp_cholesky(Side::Lower) else { return false };
-    let mut places = Mat::zeros(num_points, 2);
-    for _ in 0..RIGID_ITERATIONS {
-        for (vertex, point) in points.iter().enumerate() {
-            for axis in 0..2 {
-                places[(vertex, axis)] = held(vertex, &used) * point[axis];
-            }
-        }
-        for face in faces {
-            let mut spin = Vector2::zeros();
-            for (k, &weight) in face.weights.iter().enumerate() {
-                let (shape, lies) = (face.sides[k], points[face.corners[(k + 1) % 3]] - points[face.corners[k]]);
-                spin += Vector2::new(shape.dot(&lies), shape.perp(&lies)) * weight;
-            }
-            let length = spin.norm();
-            if length > 0.0 {
-                spin /= length;
-            } else {
-                spin = Vector2::x();
-            }
-            for (k, &weight) in face.weights.iter().enumerate() {
-                let side = face.sides[k];
-                let turned =
-                    Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
-                for axis in 0..2 {
-                    places[(face.corners[k], axis)] -= turned[axis];
-                    places[(face.corners[(k + 1) % 3], axis)] += turned[axis];
-                }
-            }
-        }
-        factors.solve_in_place(&mut places);
-        for (vertex, point) in points.iter_mut().enumerate() {
-            *point = Point2::new(places[(vertex, 0)], places[(vertex, 1)]);
-        }
-    }
-    points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
-}
-
-fn solve(size: usize, entries: &[Entry], unknowns: &mut Mat<f64>) -> bool {
-    let Ok(matrix) = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, entries) else { return false };
-    let Ok(factors) = matrix.sp_cholesky(Side::Lower) else { return false };
-    factors.solve_in_place(unknowns.as_mut());
-    (0..size).all(|row| unknowns[(row, 0)].is_finite())
 }
 
 #[cfg(test)]
@@ -237,7 +227,7 @@ mod tests {
         let mut unfolding = Unfolding::default();
         assert!(unfolding.unfold(&mesh, &patch, &shapes));
         let torn = unfolding.misfit;
-        assert!(relax(&patch, &shapes, &mut unfolding));
+        assert!(Relaxation::default().relax(&patch, &shapes, &mut unfolding));
         let (worst, fair) = quality(&patch, &shapes, &unfolding);
         (worst, fair, torn)
     }

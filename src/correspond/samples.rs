@@ -38,3 +38,26 @@ pub(crate) fn sheet_faces(columns: u32, rows: u32) -> Vec<[u32; 3]> {
 pub(crate) fn all_faces(mesh: &Mesh) -> Vec<FaceId> {
     mesh.face_ids().collect()
 }
+
+/// A tube of `columns` squares round and `rows` squares long.
+pub(crate) fn tube(columns: u32, rows: u32) -> Mesh {
+    Mesh::new(MeshDescription {
+        num_vertices: (columns * (rows + 1)) as usize,
+        faces: tube_faces(columns, rows),
+        ..Default::default()
+    })
+    .unwrap()
+}
+
+/// The triangles of such a tube: vertex `row * columns + column`.
+pub(crate) fn tube_faces(columns: u32, rows: u32) -> Vec<[u32; 3]> {
+    let mut faces = Vec::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let (a, b) = (row * columns + column, row * columns + (column + 1) % columns);
+            faces.push([a, b, a + columns]);
+            faces.push([a + columns, b, b + columns]);
+        }
+    }
+    faces
+}

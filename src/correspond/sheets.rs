@@ -58,9 +58,8 @@ impl Sheets<'_> {
     fn conormals(&self, index: usize, sides: (f64, f64)) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let tangent = (self.points[index + 1].position - self.points[index].position).try_normalize(0.0)?;
         let segment = &self.segments[index];
-        let step = |points: &[nalgebra::Point2<f64>]| points[index + 1] - points[index];
-        let inside = self.conormal(self.own, segment.own, step(&self.track.own) * sides.0, tangent)?;
-        let image = self.conormal(self.partner, segment.partner, step(&self.track.partner) * sides.1, tangent)?;
+        let inside = self.conormal(self.own, segment.own, self.track.own.step(index) * sides.0, tangent)?;
+        let image = self.conormal(self.partner, segment.partner, self.track.partner.step(index) * sides.1, tangent)?;
         Some((inside, image))
     }
 

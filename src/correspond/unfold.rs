@@ -22,6 +22,8 @@ pub(crate) struct Unfolding {
     pub(crate) scales: Vec<f64>,
     /// Largest disagreement of a face with its shape, as a part of its longest side.
     pub(crate) misfit: f64,
+    /// For each face, across which of its sides it was placed or placed another.
+    pub(crate) tree: Vec<[bool; 3]>,
     placed: Vec<bool>,
     path_queue: VecDeque<usize>,
     queue: VecDeque<usize>,
@@ -46,6 +48,8 @@ impl Unfolding {
         self.points.resize(patch.vertices().len(), Point2::origin());
         self.placed.clear();
         self.placed.resize(patch.vertices().len(), false);
+        self.tree.clear();
+        self.tree.resize(num_faces, [false; 3]);
         self.facing.clear();
         self.facing.resize(num_faces, Facing::Unreached);
         self.scales.clear();
@@ -64,21 +68,14 @@ impl Unfolding {
         self.path_queue.push_back(0);
         let mut orientable = true;
         while let Some(face) = self.path_queue.pop_front().or_else(|| self.queue.pop_front()) {
-            let Some(edges) = mesh.face_edges(patch.faces()[face]) else { continue };
-            for (side, edge) in edges.into_iter().enumerate() {
-                // Beyond a non-manifold edge the surface has no single continuation.
-                let faces = mesh.edge_faces(edge);
-                if faces.len() != 2 {
-                    continue;
-                }
-                let Some(next) = faces.iter().filter_map(|&other| patch.local_face(other)).find(|&other| other != face)
-                else {
-                    continue;
-                };
+            for side in 0..3 {
+                let Some((next, there)) = patch.neighbour(mesh, face, side) else { continue };
                 let facing = turned(self.facing[face], same_direction(patch, face, side, next), shapes, face, next);
                 match self.facing[next] {
                     Facing::Unreached => {
                         self.facing[next] = facing;
+                        self.tree[face][side] = true;
+                        self.tree[next][there] = true;
                         self.place(patch, shapes, face, side, next);
                         self.scales[next] = self.scales[face] * ratio_of_sides(patch, shapes, face, side, next);
                         if next < patch.num_seeds() {
@@ -93,6 +90,11 @@ impl Unfolding {
         }
         self.measure_misfit(patch, shapes);
         orientable && self.points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
+    }
+
+    /// Whether a face has a place.
+    pub(crate) fn is_reached(&self, face: usize) -> bool {
+        self.facing[face] != Facing::Unreached
     }
 
     /// Places the third vertex of `next`, unless it lies already, across side `side` of `face`.

@@ -6,23 +6,33 @@ use super::{
     Intersections, Segment, SegmentEnd,
     broad::{FaceTree, NodePair},
     locate::locate,
-    narrow::{Contact, Crossing, contact},
+    narrow::{Contact, Crossing, Fan, contact, share_a_vertex},
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh},
+    mesh::{FaceId, Mesh, VertexId},
 };
 
 /// Subtrees into which the search is split, at least, where the tree has as many.
 const NUM_SUBTREES: usize = 8;
 
+/// Vertices whose surroundings are searched in one go.
+const FANS_OF_PART: usize = 1024;
+
+/// What one part of the search found, with the memory that it needs.
+#[derive(Debug, Default)]
+struct Part {
+    fan: Fan,
+    contacts: Vec<([FaceId; 2], Contact)>,
+}
+
 /// Finds all intersections of a frame, reusing its memory from frame to frame.
 #[derive(Debug, Default)]
 pub struct Intersector {
     tree: FaceTree,
-    parts: Vec<NodePair>,
-    /// Of each part, so that the parts can be searched side by side.
-    contacts_of_part: Vec<Vec<([FaceId; 2], Contact)>>,
+    subtrees: Vec<NodePair>,
+    /// So that the parts can be searched side by side.
+    parts: Vec<Part>,
     contacts: Vec<([FaceId; 2], Contact)>,
     crossings: Vec<Crossing>,
 }
@@ -36,25 +46,47 @@ impl Intersector {
     /// # Panics
     /// If the signs contradict each other, which consistent perturbation rules out.
     ///
-    /// Cost: O(n log n) for n faces of bounded overlap, plus O(k log k) for k intersecting pairs.
+    /// Pairs of faces that share a vertex come from the topology, which is fixed; all others from a tree of boxes.
+    ///
+    /// Cost: O(n log n) for n faces of bounded overlap and bounded numbers round a vertex, plus O(k log k) for k intersecting pairs.
     pub fn intersect(&mut self, mesh: &Mesh, frame: &Frame, found: &mut Intersections) {
         self.tree.fit(mesh, frame);
-        self.tree.parts(NUM_SUBTREES, &mut self.parts);
-        if self.contacts_of_part.len() < self.parts.len() {
-            self.contacts_of_part.resize_with(self.parts.len(), Vec::new);
+        self.tree.parts(NUM_SUBTREES, &mut self.subtrees);
+        let num_fans = mesh.num_vertices().div_ceil(FANS_OF_PART);
+        let num_parts = self.subtrees.len() + num_fans;
+        if self.parts.len() < num_parts {
+            self.parts.resize_with(num_parts, Part::default);
         }
+        let (apart, round_vertices) = self.parts[..num_parts].split_at_mut(self.subtrees.len());
         let tree = &self.tree;
-        self.parts.par_iter().zip(&mut self.contacts_of_part).for_each(|(&part, contacts)| {
-            contacts.clear();
-            tree.search(part, &mut |a, b| {
-                if let Some(contact) = contact(mesh, frame, [a, b]) {
-                    contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
-                }
-            });
-        });
+        rayon::join(
+            || {
+                self.subtrees.par_iter().zip(apart).for_each(|(&subtrees, part)| {
+                    part.contacts.clear();
+                    tree.search(subtrees, &mut |a, b| {
+                        // Faces that share a vertex always touch: they are listed vertex by vertex instead.
+                        if !share_a_vertex(mesh, [a, b])
+                            && let Some(contact) = contact(mesh, frame, [a, b])
+                        {
+                            part.contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
+                        }
+                    });
+                });
+            },
+            || {
+                round_vertices.par_iter_mut().enumerate().for_each(|(index, Part { fan, contacts })| {
+                    contacts.clear();
+                    let first = index * FANS_OF_PART;
+                    for vertex in first..(first + FANS_OF_PART).min(mesh.num_vertices()) {
+                        let vertex = VertexId::from_index(vertex);
+                        fan.contacts(mesh, frame, vertex, &mut |faces, contact| contacts.push((faces, contact)));
+                    }
+                });
+            },
+        );
         self.contacts.clear();
-        for contacts in &self.contacts_of_part[..self.parts.len()] {
-            self.contacts.extend_from_slice(contacts);
+        for part in &self.parts[..num_parts] {
+            self.contacts.extend_from_slice(&part.contacts);
         }
         self.contacts.sort_unstable_by_key(|&(faces, _)| faces);
         self.assemble(mesh, frame, found);
@@ -74,6 +106,9 @@ impl Intersector {
         found.edge_face.clear();
         found.edge_face.extend(self.crossings.iter().map(|&crossing| locate(mesh, frame, crossing)));
 
+        #[cfg(debug_assertions)]
+        self.assert_every_crossing_joins_all_faces(mesh);
+
         let crossings = &self.crossings;
         let end_at = |crossing: Crossing| {
             let index = crossings.binary_search(&crossing).expect("every crossing was collected above");
@@ -87,5 +122,26 @@ impl Intersector {
             };
             Segment { faces, ends }
         }));
+    }
+    /// A crossing of an edge ends one segment for each face of the edge: with fewer a chain would end in the middle of the cloth.
+    #[cfg(debug_assertions)]
+    fn assert_every_crossing_joins_all_faces(&self, mesh: &Mesh) {
+        let mut num_segments = vec![0; self.crossings.len()];
+        for (faces, contact) in &self.contacts {
+            let ends = match *contact {
+                Contact::Crossings(crossings) => crossings,
+                Contact::FromLoopVertex(crossing, _) => [crossing; 2],
+            };
+            let count = if ends[0] == ends[1] { 1 } else { 2 };
+            for crossing in &ends[..count] {
+                let place = self.crossings.binary_search(crossing);
+                num_segments[place.expect("every crossing was collected above")] += 1;
+                assert!(faces.contains(&crossing.1), "a crossing of face {} between others", crossing.1.0);
+            }
+        }
+        for (&(edge, face), count) in self.crossings.iter().zip(num_segments) {
+            let expected = mesh.edge_faces(edge).len();
+            assert_eq!(count, expected, "segments that end where edge {} pierces face {}", edge.0, face.0);
+        }
     }
 }

@@ -5,13 +5,16 @@ use nalgebra::{Point3, Vector3};
 use super::{EdgeFaceIntersection, narrow::Crossing};
 use crate::{frame::Frame, mesh::Mesh};
 
-/// Computes the place of a crossing from its edge and face alone, so that every pair that shares it gets the same numbers.
+/// Computes the place of a crossing from its edge and face alone, so that every pair that shares it gets the same numbers; and from the
+/// corners in the order of their vertices, so that no rounding depends on how the face is written down.
 ///
 /// All weights are ratios of volumes of equal sign, hence between 0 and 1 and free of scale; where a volume underflows to nothing
 /// at all, the middle stands in.
 pub(crate) fn locate(mesh: &Mesh, frame: &Frame, (edge, face): Crossing) -> EdgeFaceIntersection {
     let [p, q] = mesh.edge(edge).map(|vertex| frame.position(vertex));
-    let corners = mesh.face(face).map(|vertex| frame.position(vertex));
+    let mut order = [0, 1, 2];
+    order.sort_unstable_by_key(|&corner| mesh.face(face)[corner]);
+    let corners = order.map(|corner| frame.position(mesh.face(face)[corner]));
     let along: Vector3<f64> = q - p;
     let [a, b, c] = corners.map(|corner| corner - p);
 
@@ -23,7 +26,10 @@ pub(crate) fn locate(mesh: &Mesh, frame: &Frame, (edge, face): Crossing) -> Edge
     let total = volumes[0] + volumes[1] + volumes[2];
     let first = ratio(volumes[0], total, 1.0 / 3.0);
     let second = ratio(volumes[1], total, 1.0 / 3.0).min(1.0 - first);
-    let barycentric = [first, second, (1.0 - first - second).max(0.0)];
+    let mut barycentric = [0.0; 3];
+    for (corner, weight) in order.into_iter().zip([first, second, (1.0 - first - second).max(0.0)]) {
+        barycentric[corner] = weight;
+    }
 
     let position: Point3<f64> = p + along * edge_parameter;
     EdgeFaceIntersection { edge, face, edge_parameter, barycentric, position }

@@ -22,8 +22,11 @@ pub(crate) enum Contact {
 }
 
 /// A face with all that the tests need.
+#[derive(Debug)]
 struct Corners {
     face: FaceId,
+    /// The corner of the mesh's face that stands first here.
+    first: usize,
     vertices: [VertexId; 3],
     sites: [Site; 3],
 }
@@ -31,7 +34,15 @@ struct Corners {
 impl Corners {
     fn of(mesh: &Mesh, frame: &Frame, face: FaceId) -> Self {
         let vertices = mesh.face(face);
-        Self { face, vertices, sites: vertices.map(|vertex| frame.site(vertex)) }
+        Self { face, first: 0, vertices, sites: vertices.map(|vertex| frame.site(vertex)) }
+    }
+
+    /// The same face with its corners turned round so that `vertex` stands first.
+    fn from(mut self, vertex: VertexId) -> Self {
+        self.first = self.vertices.iter().position(|&corner| corner == vertex).unwrap_or_default();
+        self.vertices.rotate_left(self.first);
+        self.sites.rotate_left(self.first);
+        self
     }
 
     fn side_of(&self, site: Site) -> Side {
@@ -47,27 +58,20 @@ impl Corners {
     }
 }
 
-/// Tests one pair of usable faces.
+/// Whether two faces have a vertex in common.
+pub(crate) fn share_a_vertex(mesh: &Mesh, [a, b]: [FaceId; 2]) -> bool {
+    let others = mesh.face(b);
+    mesh.face(a).iter().any(|vertex| others.contains(vertex))
+}
+
+/// Tests one pair of usable faces without a common vertex.
 ///
-/// Cost: a common edge is seen from the indices; most other pairs end after three signs.
+/// Cost: most pairs end after three signs.
 pub(crate) fn contact(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> Option<Contact> {
     // One order, so that nothing depends on how the pair was found.
     let [first, second] = if faces[0] < faces[1] { faces } else { [faces[1], faces[0]] };
-    let (vertices, others) = (mesh.face(first), mesh.face(second));
-    let mut shared = None;
-    for (corner, vertex) in vertices.into_iter().enumerate() {
-        if let Some(other) = others.iter().position(|&other| other == vertex) {
-            if shared.is_some() {
-                return None;
-            }
-            shared = Some((corner, other));
-        }
-    }
     let (a, b) = (Corners::of(mesh, frame, first), Corners::of(mesh, frame, second));
-    match shared {
-        None => apart(mesh, &a, &b),
-        Some(corners) => around_vertex(mesh, &a, &b, corners),
-    }
+    apart(mesh, &a, &b)
 }
 
 fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {
@@ -98,19 +102,65 @@ fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {
     }
 }
 
-fn around_vertex(mesh: &Mesh, a: &Corners, b: &Corners, shared: (usize, usize)) -> Option<Contact> {
-    let mut crossing = None;
-    for (edge_of, corner, face) in [(a, shared.0, b), (b, shared.1, a)] {
-        let (near, far) = ((corner + 1) % 3, (corner + 2) % 3);
-        let (p, q) = (edge_of.sites[near], edge_of.sites[far]);
-        if face.side_of(p) != face.side_of(q) && face.is_pierced_by(p, q) {
-            assert!(crossing.is_none(), "faces {} and {} have two crossings beside their vertex", a.face.0, b.face.0);
-            crossing = Some((edge_at(mesh, edge_of, near), face.face));
-        }
-    }
-    crossing.map(|crossing| Contact::FromLoopVertex(crossing, a.vertices[shared.0]))
+/// The faces round one vertex, tested pair by pair, reusing its memory from vertex to vertex.
+#[derive(Debug, Default)]
+pub(crate) struct Fan {
+    /// Each starts at the vertex.
+    faces: Vec<Corners>,
 }
 
+impl Fan {
+    /// Tests all pairs of faces that have `vertex` in common and nothing else, and calls `found` with those that intersect beyond it,
+    /// the lower face first.
+    ///
+    /// Which pairs these are is known from the topology alone. Cost: quadratic in the faces round the vertex; most pairs end after two
+    /// signs.
+    pub(crate) fn contacts(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        vertex: VertexId,
+        found: &mut impl FnMut([FaceId; 2], Contact),
+    ) {
+        self.faces.clear();
+        self.faces.extend(mesh.vertex_faces(vertex).iter().map(|&face| Corners::of(mesh, frame, face).from(vertex)));
+        for (at, a) in self.faces.iter().enumerate() {
+            for b in &self.faces[at + 1..] {
+                if let Some(crossing) = beyond_vertex(mesh, a, b) {
+                    found([a.face, b.face], Contact::FromLoopVertex(crossing, vertex));
+                }
+            }
+        }
+    }
+}
+
+/// Where one of two faces that start at their common vertex is pierced by the other's opposite edge.
+fn beyond_vertex(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Crossing> {
+    let ([_, p, q], [_, r, s]) = (a.vertices, b.vertices);
+    if p == r || p == s || q == r || q == s {
+        return None;
+    }
+    // A face that lies on one side of the other's plane, but for the common vertex, can't reach it.
+    let across_a = a.side_of(b.sites[1]) != a.side_of(b.sites[2]);
+    if !across_a {
+        return None;
+    }
+    let across_b = b.side_of(a.sites[1]) != b.side_of(a.sites[2]);
+    if !across_b {
+        return None;
+    }
+    let mut crossing = None;
+    for (edge_of, face) in [(a, b), (b, a)] {
+        if face.is_pierced_by(edge_of.sites[1], edge_of.sites[2]) {
+            assert!(crossing.is_none(), "faces {} and {} have two crossings beside their vertex", a.face.0, b.face.0);
+            crossing = Some((edge_at(mesh, edge_of, 1), face.face));
+        }
+    }
+    crossing
+}
+
+/// The edge from a corner to the next.
 fn edge_at(mesh: &Mesh, corners: &Corners, corner: usize) -> EdgeId {
-    mesh.face_edges(corners.face).expect("the broad phase leaves ignored faces out")[corner]
+    let edges = mesh.face_edges(corners.face).expect("ignored faces are never tested");
+    edges[(corner + corners.first) % 3]
 }

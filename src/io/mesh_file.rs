@@ -126,6 +126,16 @@ impl MeshFile {
         }
     }
 
+    /// The line in which a vertex stands, from 1, if the file is text.
+    #[must_use]
+    pub fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        match &self.document {
+            Document::Obj(document) => document.line_of_vertex(vertex),
+            Document::Ply(document) => document.line_of_vertex(vertex),
+            Document::Gltf(_) => None,
+        }
+    }
+
     /// Positions, `num_vertices x 3`, finite; taken as metres.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
@@ -250,7 +260,8 @@ fn has_area([a, b, c]: [[f64; 2]; 3]) -> bool {
 /// Several files in one world.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The mesh of all files together. It has texture coordinates if all files have them.
+    /// The mesh of all files together. It has texture coordinates if any file has them; those of the faces of other files are a single
+    /// point, which stands for none.
     pub description: MeshDescription,
     /// Positions in metres, `num_vertices x 3`.
     pub positions: Vec<[f64; 3]>,
@@ -271,7 +282,7 @@ pub fn concatenate(files: &[MeshFile]) -> Result<World, ReadErrorKind> {
         file_vertices: Vec::with_capacity(files.len()),
         file_faces: Vec::with_capacity(files.len()),
     };
-    let with_uvs = files.iter().all(|file| file.uv_faces.is_some());
+    let with_uvs = files.iter().any(|file| file.uv_faces.is_some());
     let mut uvs = Uvs::default();
     let faces = &mut world.description.faces;
     for file in files {
@@ -283,9 +294,14 @@ pub fn concatenate(files: &[MeshFile]) -> Result<World, ReadErrorKind> {
         faces.extend(file.faces.iter().map(|face| face.map(|vertex| vertex + vertex_offset)));
         if with_uvs {
             let uv_offset = u32::try_from(uvs.coordinates.len()).map_err(|_| too_many())?;
-            u32::try_from(uvs.coordinates.len() + file.uv_coordinates.len()).map_err(|_| too_many())?;
-            uvs.coordinates.extend_from_slice(&file.uv_coordinates);
-            uvs.corners.extend(file.uv_faces.iter().flatten().map(|face| face.map(|uv| uv + uv_offset)));
+            u32::try_from(uvs.coordinates.len() + file.uv_coordinates.len() + 1).map_err(|_| too_many())?;
+            if let Some(uv_faces) = &file.uv_faces {
+                uvs.coordinates.extend_from_slice(&file.uv_coordinates);
+                uvs.corners.extend(uv_faces.iter().map(|face| face.map(|uv| uv + uv_offset)));
+            } else {
+                uvs.coordinates.push([0.0; 2]);
+                uvs.corners.extend(file.faces.iter().map(|_| [uv_offset; 3]));
+            }
         }
         world.file_vertices.push(first_vertex..world.positions.len());
         world.file_faces.push(first_face..faces.len());

@@ -185,7 +185,7 @@ fn bad_ply_names_what_is_wrong() {
         edit("255 1 0 0.1 0", "255 1 0 inf 0"),
         "bad.ply:19: vertex 3 has coordinate inf; coordinates must be finite"
     );
-    assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 9 8"), "bad.ply: face 0 refers to vertex 9, but only 4 are defined");
+    assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 9 8"), "bad.ply:21: face 0 refers to vertex 9, but only 4 are defined");
     assert_eq!(edit("4 0 1 2 3 8", "4 0 1 2 -1 8"), "bad.ply:21: face 0 has `-1` where an index is needed");
     assert_eq!(edit("3 0 1 2 6", "2 0 1 6"), "bad.ply:22: face 1 has 2 corners, at least 3 are needed");
     assert_eq!(edit("property double x", "property double w"), "bad.ply: element `vertex` has no property `x`");

@@ -1,6 +1,6 @@
 //! From a description to a validated mesh: the one place where input is doubted.
 
-use super::{Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, PieceId, VertexId};
+use super::{Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, PieceId, VertexId, chart::Chart};
 
 impl Mesh {
     /// Validates a description and derives its connectivity.
@@ -64,6 +64,7 @@ impl Mesh {
             face_piece,
             num_pieces,
             is_solid_piece: Vec::new(),
+            chart: Chart::default(),
             num_boundary_edges,
             num_ignored_faces,
             manifold: edges_manifold,
@@ -76,6 +77,7 @@ impl Mesh {
         };
         mesh.manifold = edges_manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));
         mesh.is_solid_piece = mesh.find_solid_pieces();
+        mesh.chart = Chart::find(&mesh);
         Ok(mesh)
     }
 
@@ -99,16 +101,21 @@ impl Mesh {
     fn is_one_fan(&self, vertex: VertexId) -> bool {
         let faces = self.vertex_faces(vertex);
         let Some(&first) = faces.first() else { return true };
+        // Few faces are marked in one word; a vertex may have any number.
+        let mut marks = vec![0u64; faces.len().div_ceil(64)];
+        let mut mark = |face: FaceId| {
+            let at = faces.partition_point(|&other| other < face);
+            let is_new = marks[at / 64] >> (at % 64) & 1 == 0;
+            marks[at / 64] |= 1 << (at % 64);
+            is_new
+        };
+        mark(first);
         let mut reached = vec![first];
         let mut next = 0;
         while next < reached.len() {
             let spokes = self.face_edges(reached[next]).into_iter().flatten();
             for edge in spokes.filter(|&edge| self.edge(edge).contains(&vertex)) {
-                for &neighbour in self.edge_faces(edge) {
-                    if !reached.contains(&neighbour) {
-                        reached.push(neighbour);
-                    }
-                }
+                reached.extend(self.edge_faces(edge).iter().copied().filter(|&neighbour| mark(neighbour)));
             }
             next += 1;
         }

@@ -5,6 +5,7 @@
 //! than two faces is *non-manifold*; a face with a repeated index is *ignored* by everything but the counts of the input.
 
 mod build;
+mod chart;
 mod csr;
 mod description;
 mod error;
@@ -14,6 +15,7 @@ pub use description::{MeshDescription, Uvs};
 pub use error::MeshError;
 pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 
+use chart::Chart;
 use csr::Csr;
 
 /// Validated connectivity of one or several pieces of cloth, and what belongs to it for good: texture coordinates, rest
@@ -30,6 +32,7 @@ pub struct Mesh {
     face_piece: Vec<Option<PieceId>>,
     num_pieces: usize,
     is_solid_piece: Vec<bool>,
+    chart: Chart,
     num_boundary_edges: usize,
     num_ignored_faces: usize,
     manifold: bool,
@@ -187,6 +190,14 @@ impl Mesh {
     #[must_use]
     pub fn uvs(&self) -> Option<&Uvs> {
         self.uvs.as_ref()
+    }
+
+    /// The texture coordinates of a vertex, if those of its piece are one smooth chart: all faces agree on their common vertices, none
+    /// is folded over a neighbour, and the piece shares no vertex with another one. Any unfolding of such a piece gives the texture
+    /// coordinates themselves.
+    #[must_use]
+    pub fn chart_place(&self, vertex: VertexId) -> Option<[f64; 2]> {
+        self.chart.place(vertex)
     }
 
     /// Unstrained positions in metres, if given.

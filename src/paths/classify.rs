@@ -24,7 +24,7 @@ pub struct PathFinder {
 impl PathFinder {
     /// Finds the paths of a frame from its intersections.
     ///
-    /// Cost: linear in the segments; where k chains meet in one loop vertex, O(k^4) for these.
+    /// Cost: linear in the segments; where k chains meet in one loop vertex, O(k^2) for these and O(k^3) at worst.
     pub fn find(&mut self, mesh: &Mesh, frame: &Frame, found: &Intersections, paths: &mut IntersectionPaths) {
         self.chains.trace(found);
         let view = ChainView { mesh, frame, found, chains: &self.chains };

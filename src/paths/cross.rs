@@ -7,10 +7,10 @@
 //! BLLB: two chains from different loop vertices that end on boundaries which touch exactly there.
 
 use super::{
-    fan::{chords_cross, direction, ordered_fan},
+    fan::{FanOrder, chords_cross, ordered_fan},
     view::{BoundaryEnd, ChainView, Ends},
 };
-use crate::mesh::{FaceId, VertexId};
+use crate::mesh::{EdgeId, FaceId, VertexId};
 
 /// What becomes of a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +35,7 @@ pub(crate) struct Crosses {
     touching: Vec<Touching>,
     fan: Vec<(FaceId, VertexId)>,
     half_paths: Vec<HalfPath>,
+    chords: Chords,
 }
 
 /// A boundary vertex next to the end of a chain.
@@ -42,8 +43,10 @@ pub(crate) struct Crosses {
 struct Touching {
     place: [u64; 3],
     vertex: VertexId,
-    chain: usize,
     loop_vertex: VertexId,
+    /// Tells the chains of one loop vertex apart, whatever their numbers.
+    crossing: (EdgeId, [VertexId; 3]),
+    chain: usize,
 }
 
 impl Touching {
@@ -57,7 +60,8 @@ impl Touching {
 struct HalfPath {
     rank: usize,
     fraction: f64,
-    chain: usize,
+    /// In the group of chains at the vertex.
+    member: usize,
     bounded: bool,
 }
 
@@ -76,8 +80,12 @@ impl Crosses {
         self.candidates.sort_unstable();
         let mut rest = std::mem::take(&mut self.candidates);
         for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
-            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change.
-            group.sort_by(|a, b| view.length_m(a.1).total_cmp(&view.length_m(b.1)));
+            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change. Lengths that are
+            // exactly equal are told apart by where the paths end, which the order of faces can't change.
+            group.sort_by_cached_key(|&(_, chain)| {
+                // Not negative, so that the bits are in the order of the values.
+                (view.length_m(chain).to_bits(), view.last_crossing(chain))
+            });
             self.join_at(view, group[0].0, group);
         }
         self.join_touching(view, &rest);
@@ -94,7 +102,8 @@ impl Crosses {
                 for vertex in view.mesh.edge(edge) {
                     // Positions are compared as they are; adding zero makes one zero of two.
                     let place = view.frame.position(vertex).coords.map(|x| (x + 0.0).to_bits()).into();
-                    self.touching.push(Touching { place, vertex, chain, loop_vertex });
+                    let crossing = view.last_crossing(chain);
+                    self.touching.push(Touching { place, vertex, loop_vertex, crossing, chain });
                 }
             }
         }
@@ -120,51 +129,159 @@ impl Crosses {
         if !ordered_fan(view.mesh, vertex, &mut self.fan) || !self.sort_half_paths(view, vertex, group) {
             return;
         }
-        for (i, &(_, first)) in group.iter().enumerate() {
-            for &(_, second) in &group[i + 1..] {
-                let both_free = self.joins[first] == Join::Alone && self.joins[second] == Join::Alone;
-                if both_free && self.is_planar(group, (first, second)) {
-                    let (lower, higher) = (first.min(second), first.max(second));
-                    self.joins[lower] = Join::Cross { partner: higher };
-                    self.joins[higher] = Join::Second;
-                }
-            }
+        self.chords.begin(&self.half_paths, group.len());
+        for i in 0..group.len() {
+            let Some(j) = (i + 1..group.len()).find(|&j| self.chords.can_join(i, j)) else { continue };
+            self.chords.join(i, j);
+            let (lower, higher) = (group[i].1.min(group[j].1), group[i].1.max(group[j].1));
+            self.joins[lower] = Join::Cross { partner: higher };
+            self.joins[higher] = Join::Second;
         }
     }
 
     /// Puts the half-paths of a group in their order round the vertex; false if one does not lie in its fan.
     fn sort_half_paths(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) -> bool {
         self.half_paths.clear();
-        for &(_, chain) in group {
+        let fan = FanOrder::new(&self.fan);
+        for (member, &(_, chain)) in group.iter().enumerate() {
             let Ends::LoopBoundary(_, BoundaryEnd { bounded, .. }) = view.ends(chain) else { return false };
             for copy in [bounded, 1 - bounded] {
                 let towards = view.surface_point(chain, copy, 1);
                 let face = view.face(chain, copy, 0);
-                let Some((rank, fraction)) = direction(view.mesh, vertex, &self.fan, face, towards) else {
+                let Some((rank, fraction)) = fan.direction(view.mesh, vertex, face, towards) else {
                     return false;
                 };
-                self.half_paths.push(HalfPath { rank, fraction, chain, bounded: copy == bounded });
+                self.half_paths.push(HalfPath { rank, fraction, member, bounded: copy == bounded });
             }
         }
         self.half_paths.sort_by(|a, b| a.rank.cmp(&b.rank).then(a.fraction.total_cmp(&b.fraction)));
         true
     }
+}
 
-    /// Whether the chords of all chains of the group, with this pair joined too, do not cross.
-    fn is_planar(&self, group: &[(VertexId, usize)], pair: (usize, usize)) -> bool {
-        let place = |chain: usize, bounded: bool| {
-            let here = |half: &HalfPath| half.chain == chain && half.bounded == bounded;
-            self.half_paths.iter().position(here).unwrap_or_default()
+/// The chords of all chains at a vertex: each place on the circle of half-paths has its mate.
+#[derive(Debug, Default)]
+struct Chords {
+    mates: Vec<usize>,
+    /// Places of the bounded and of the free half-path of each chain.
+    places: Vec<[usize; 2]>,
+    joined: Vec<bool>,
+    /// Number of chords that cross the chord of each chain, and of pairs of chords that cross in all.
+    crossings: Vec<usize>,
+    num_crossings: usize,
+}
+
+impl Chords {
+    /// Every chain folded back.
+    fn begin(&mut self, half_paths: &[HalfPath], num_chains: usize) {
+        self.mates.clear();
+        self.mates.resize(2 * num_chains, 0);
+        self.places.clear();
+        self.places.resize(num_chains, [0; 2]);
+        self.joined.clear();
+        self.joined.resize(num_chains, false);
+        for (place, half) in half_paths.iter().enumerate() {
+            self.places[half.member][usize::from(!half.bounded)] = place;
+        }
+        for &[a, b] in &self.places {
+            (self.mates[a], self.mates[b]) = (b, a);
+        }
+        self.count();
+    }
+
+    fn count(&mut self) {
+        let places = &self.places;
+        let crosses = |i: usize, j: usize| i != j && chords_cross(places[i], places[j]);
+        self.crossings.clear();
+        self.crossings.extend((0..places.len()).map(|i| (0..places.len()).filter(|&j| crosses(i, j)).count()));
+        self.num_crossings = self.crossings.iter().sum::<usize>() / 2;
+    }
+
+    /// Whether no chords cross once two chains that are still folded are joined.
+    fn can_join(&self, i: usize, j: usize) -> bool {
+        if self.joined[i] || self.joined[j] {
+            return false;
+        }
+        // All chords that cross have to be those of these two.
+        let both = usize::from(chords_cross(self.places[i], self.places[j]));
+        if self.num_crossings + both != self.crossings[i] + self.crossings[j] {
+            return false;
+        }
+        let [[a, c], [b, d]] = [self.places[i], self.places[j]];
+        !chords_cross([a, b], [c, d]) && [[a, b], [c, d]].into_iter().all(|chord| self.is_free(chord, [a, b, c, d]))
+    }
+
+    /// Whether no chord but those of the four `ends` crosses this one.
+    fn is_free(&self, [a, b]: [usize; 2], ends: [usize; 4]) -> bool {
+        let within = a.min(b) + 1..a.max(b);
+        within.clone().all(|place| ends.contains(&place) || within.contains(&self.mates[place]))
+    }
+
+    fn join(&mut self, i: usize, j: usize) {
+        for (a, b) in self.places[i].into_iter().zip(self.places[j]) {
+            (self.mates[a], self.mates[b]) = (b, a);
+        }
+        self.joined[i] = true;
+        self.joined[j] = true;
+        // Or they would not have been joined.
+        self.crossings.fill(0);
+        self.num_crossings = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether no two of these chords cross, from the definition.
+    fn is_planar(chords: &[[usize; 2]]) -> bool {
+        chords.iter().enumerate().all(|(i, &a)| chords[i + 1..].iter().all(|&b| !chords_cross(a, b)))
+    }
+
+    #[test]
+    fn joins_are_those_that_leave_no_crossing() {
+        let mut state = 1u64;
+        let mut next = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from(state >> 33).unwrap() % below
         };
-        let joined = |a: usize, b: usize| [[place(a, true), place(b, true)], [place(a, false), place(b, false)]];
-        let mut chords: Vec<[usize; 2]> = joined(pair.0, pair.1).to_vec();
-        for &(_, chain) in group.iter().filter(|&&(_, chain)| chain != pair.0 && chain != pair.1) {
-            match self.joins[chain] {
-                Join::Alone => chords.push([place(chain, true), place(chain, false)]),
-                Join::Cross { partner } => chords.extend(joined(chain, partner)),
-                Join::Second | Join::Touching { .. } => {}
+        let (mut chords, mut num_joins) = (Chords::default(), 0);
+        for _ in 0..3_000 {
+            let count = 2 + next(5);
+            let mut half_paths: Vec<HalfPath> = (0..2 * count)
+                .map(|k| HalfPath { rank: 0, fraction: 0.0, member: k / 2, bounded: k % 2 == 0 })
+                .collect();
+            for k in (1..half_paths.len()).rev() {
+                half_paths.swap(k, next(k + 1));
+            }
+            chords.begin(&half_paths, count);
+            let place = |member: usize, bounded: bool| {
+                half_paths.iter().position(|half| half.member == member && half.bounded == bounded).unwrap()
+            };
+            let mut partner: Vec<Option<usize>> = vec![None; count];
+            let reading = |partner: &[Option<usize>]| -> Vec<[usize; 2]> {
+                let chord = |(i, &j): (usize, &Option<usize>)| match j {
+                    None => vec![[place(i, true), place(i, false)]],
+                    Some(j) if i < j => vec![[place(i, true), place(j, true)], [place(i, false), place(j, false)]],
+                    Some(_) => vec![],
+                };
+                partner.iter().enumerate().flat_map(chord).collect()
+            };
+            for i in 0..count {
+                for j in i + 1..count {
+                    let mut joined = partner.clone();
+                    (joined[i], joined[j]) = (Some(j), Some(i));
+                    let is_free = partner[i].is_none() && partner[j].is_none();
+                    let expected = is_free && is_planar(&reading(&joined));
+                    assert_eq!(chords.can_join(i, j), expected, "{half_paths:?} {partner:?} {i} {j}");
+                    if expected && next(2) == 0 {
+                        chords.join(i, j);
+                        partner = joined;
+                        num_joins += 1;
+                    }
+                }
             }
         }
-        chords.iter().enumerate().all(|(i, &a)| chords[i + 1..].iter().all(|&b| !chords_cross(a, b)))
+        assert!(num_joins > 500, "{num_joins}");
     }
 }

@@ -32,21 +32,38 @@ pub(crate) fn ordered_fan(mesh: &Mesh, vertex: VertexId, fan: &mut Vec<(FaceId, 
     fan.len() == mesh.vertex_faces(vertex).len()
 }
 
-/// Where a half-path leaves the vertex: the place of its face in the fan and the part of the way across this face.
-///
-/// `towards` is the first point of the half-path after the vertex; it lies in `face`.
-pub(crate) fn direction(
-    mesh: &Mesh,
-    vertex: VertexId,
-    fan: &[(FaceId, VertexId)],
-    face: FaceId,
-    towards: SurfacePoint,
-) -> Option<(usize, f64)> {
-    let rank = fan.iter().position(|&(fan_face, _)| fan_face == face)?;
-    let entered = fan[rank].1;
-    let left = mesh.face(face).into_iter().find(|&corner| corner != vertex && corner != entered)?;
-    let (a, b) = (weight(mesh, towards, entered), weight(mesh, towards, left));
-    Some((rank, if a + b > 0.0 { b / (a + b) } else { 0.5 }))
+/// A fan whose faces are found by their ids.
+pub(crate) struct FanOrder<'a> {
+    fan: &'a [(FaceId, VertexId)],
+    /// Faces with their places in the fan, sorted.
+    ranks: Vec<(FaceId, usize)>,
+}
+
+impl<'a> FanOrder<'a> {
+    /// Sorts the faces of a fan.
+    pub(crate) fn new(fan: &'a [(FaceId, VertexId)]) -> Self {
+        let mut ranks: Vec<_> = fan.iter().enumerate().map(|(rank, &(face, _))| (face, rank)).collect();
+        ranks.sort_unstable();
+        Self { fan, ranks }
+    }
+
+    /// Where a half-path leaves the vertex: the place of its face in the fan and the part of the way across this face.
+    ///
+    /// `towards` is the first point of the half-path after the vertex; it lies in `face`.
+    pub(crate) fn direction(
+        &self,
+        mesh: &Mesh,
+        vertex: VertexId,
+        face: FaceId,
+        towards: SurfacePoint,
+    ) -> Option<(usize, f64)> {
+        let at = self.ranks.binary_search_by_key(&face, |&(face, _)| face).ok()?;
+        let rank = self.ranks[at].1;
+        let entered = self.fan[rank].1;
+        let left = mesh.face(face).into_iter().find(|&corner| corner != vertex && corner != entered)?;
+        let (a, b) = (weight(mesh, towards, entered), weight(mesh, towards, left));
+        Some((rank, if a + b > 0.0 { b / (a + b) } else { 0.5 }))
+    }
 }
 
 /// The barycentric weight of a vertex at a point.
@@ -92,6 +109,6 @@ mod tests {
         assert_eq!(fan.iter().map(|(face, _)| face.0).collect::<Vec<_>>(), [0, 2, 1]);
         let towards = SurfacePoint::Face { face: FaceId(2), barycentric: [0.75, 0.0, 0.25] };
         // Entered along 0-2, left along 0-3.
-        assert_eq!(direction(&mesh, VertexId(0), &fan, FaceId(2), towards), Some((1, 0.75)));
+        assert_eq!(FanOrder::new(&fan).direction(&mesh, VertexId(0), FaceId(2), towards), Some((1, 0.75)));
     }
 }

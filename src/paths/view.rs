@@ -119,6 +119,19 @@ impl ChainView<'_> {
         self.face(chain, copy, step) == face
     }
 
+    /// The edge-face intersection in which a chain ends, in numbers that the order of the faces does not change.
+    pub(crate) fn last_crossing(&self, chain: usize) -> (EdgeId, [VertexId; 3]) {
+        match self.node(chain, self.num_segments(chain)) {
+            SegmentEnd::LoopVertex(vertex) => (EdgeId(u32::MAX), [vertex; 3]),
+            SegmentEnd::EdgeFace(index) => {
+                let crossing = self.crossing(index);
+                let mut corners = self.mesh.face(crossing.face);
+                corners.sort_unstable();
+                (crossing.edge, corners)
+            }
+        }
+    }
+
     /// World position of a node.
     pub(crate) fn position(&self, chain: usize, place: usize) -> Point3<f64> {
         match self.node(chain, place) {

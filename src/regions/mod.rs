@@ -3,6 +3,8 @@
 mod disc;
 mod finder;
 mod flood;
+mod left;
+mod pair;
 mod side;
 mod winding;
 mod work;
@@ -21,6 +23,8 @@ pub struct InsideRegion {
     /// Its vertices in [`InsideRegions::vertices`], ascending, loop vertices left out. Empty where nothing separates, no vertex lies
     /// inside, or another path of the pair carries the region of both.
     pub vertices: Range<usize>,
+    /// Whether only both paths of the pair together divide the piece: the first then carries the vertices of both.
+    pub joint: bool,
     /// Radius of the disc round the loop vertex in the units of the texture coordinates, or of the rest lengths in metres (BLI, BLB).
     pub disc_radius: Option<f64>,
 }
@@ -28,7 +32,8 @@ pub struct InsideRegion {
 /// The inside regions of all paths of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct InsideRegions {
-    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and BI, which have none.
+    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and BI, which have
+    /// none but jointly with their corresponding path.
     pub by_copy: Vec<Option<InsideRegion>>,
     /// Vertices of all regions.
     pub vertices: Vec<VertexId>,

@@ -4,41 +4,71 @@
 //! 2006 ask for the smallest possible correction). Targets are known only later, and only for the side that was chosen; the distance from the
 //! path stands in for them: on the path it is zero for both, and it grows with the depth of the penetration.
 
-use std::collections::VecDeque;
+use std::{cmp::Ordering, collections::BinaryHeap};
 
 use nalgebra::Point3;
 
 use super::{finder::vertex_area, flood::Flood, side::Scene};
-use crate::paths::{PathPoint, SurfacePoint};
+use crate::{
+    mesh::VertexId,
+    paths::{PathPoint, SurfacePoint},
+};
+
+/// A vertex with a point of the path that may be its nearest; the nearest such vertex comes first.
+struct Reached {
+    distance: f64,
+    vertex: VertexId,
+    from: Point3<f64>,
+}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        // Reversed: the heap's greatest is the nearest, then the lowest vertex.
+        other.distance.total_cmp(&self.distance).then(other.vertex.cmp(&self.vertex))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Reached {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Reached {}
 
 /// The side with less work, after a fill that is complete on both sides; nothing where both take the same.
 ///
-/// The nearest point of the path is handed on from vertex to vertex, outwards from the crossed edges. Cost: linear in the piece.
+/// The nearest point of the path is handed on from vertex to vertex, the nearest vertex first, outwards from the crossed edges. Cost:
+/// O(n log n) in the piece.
 pub(crate) fn by_work(flood: &Flood, scene: &Scene<'_>, points: &[PathPoint]) -> Option<usize> {
-    let mut nearest: Vec<Option<Point3<f64>>> = vec![None; scene.mesh.num_vertices()];
-    let mut queue = VecDeque::new();
+    let mut is_settled = vec![false; scene.mesh.num_vertices()];
+    let mut queue = BinaryHeap::new();
+    let reach = |vertex: VertexId, from: Point3<f64>| {
+        let distance = (scene.frame.position(vertex) - from).norm();
+        Reached { distance, vertex, from }
+    };
     for point in points {
         let SurfacePoint::Edge { edge, .. } = point.own else { continue };
-        for end in scene.mesh.edge(edge).into_iter().filter(|&end| flood.side_of(end).is_some()) {
-            let here = scene.frame.position(end);
-            let slot = &mut nearest[end.index()];
-            if slot.is_none() {
-                queue.push_back(end);
-            }
-            if slot.is_none_or(|known| (point.position - here).norm() < (known - here).norm()) {
-                *slot = Some(point.position);
-            }
-        }
+        let ends = scene.mesh.edge(edge).into_iter().filter(|&end| flood.side_of(end).is_some());
+        queue.extend(ends.map(|end| reach(end, point.position)));
     }
     let mut work = [0.0; 2];
-    while let Some(vertex) = queue.pop_front() {
-        let (Some(side), Some(from)) = (flood.side_of(vertex), nearest[vertex.index()]) else { continue };
-        work[side] += vertex_area(scene, vertex) * (scene.frame.position(vertex) - from).norm_squared();
+    while let Some(Reached { distance, vertex, from }) = queue.pop() {
+        let Some(side) = flood.side_of(vertex) else { continue };
+        if std::mem::replace(&mut is_settled[vertex.index()], true) {
+            continue;
+        }
+        work[side] += vertex_area(scene, vertex) * distance * distance;
         for &edge in scene.mesh.vertex_edges(vertex) {
             let neighbour = scene.mesh.opposite_vertex(edge, vertex);
-            if flood.side_of(neighbour) == Some(side) && nearest[neighbour.index()].is_none() {
-                nearest[neighbour.index()] = Some(from);
-                queue.push_back(neighbour);
+            if flood.side_of(neighbour) == Some(side) && !is_settled[neighbour.index()] {
+                queue.push(reach(neighbour, from));
             }
         }
     }

@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 const RINGS: usize = 2;
 
 /// Clusters of paths, and for the vertices round them the cluster that is nearest.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Clusters {
     label: Vec<u32>,
     touched: Vec<VertexId>,
@@ -48,6 +48,9 @@ impl Clusters {
         let mut first = 0;
         for ring in 0..RINGS + reach {
             let last = self.touched.len();
+            if first == last {
+                break;
+            }
             for slot in first..last {
                 let vertex = self.touched[slot];
                 let copy = self.label[vertex.index()] as usize;
@@ -126,6 +129,11 @@ pub(super) struct Tangle {
 }
 
 impl Tangle {
+    /// Whether nothing intersects.
+    pub(super) fn is_none(&self) -> bool {
+        self.num_edge_face == 0
+    }
+
     /// One number to compare by.
     pub(super) fn merit(&self) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "a count")]

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{domain::Domain, orient::Orientation};
+use super::orient::Orientation;
 use crate::{
     analysis::Analysis,
     correspond::{Correspondences, MaterialPoint, PathCorrespondence, mean_edge_length},
@@ -13,20 +13,21 @@ use crate::{
 };
 
 /// Gap that is to be left between the sheets, in mean edge lengths of the faces along the path.
-fn gap_edges() -> f64 {
-    super::knob("GAP", 0.5)
-}
+const GAP: f64 = 0.5;
 /// Part of its length that contour minimisation wants a path to lose in one iteration.
 const SHORTENING: f64 = 0.6;
 
 /// `sum of coefficient . motion >= wanted_m`, one row for each goal.
 #[derive(Debug, Default)]
 pub(super) struct Goals {
-    offsets: Vec<usize>,
+    /// Where the terms of each goal end.
+    ends: Vec<usize>,
     terms: Vec<(VertexId, Vector3<f64>)>,
     wanted_m: Vec<f64>,
     /// For each goal the copy of the path that it belongs to.
     copies: Vec<usize>,
+    /// For each goal whether it is a distance between two points.
+    is_pair: Vec<bool>,
 }
 
 /// How goals are found for the paths that have targets.
@@ -56,15 +57,12 @@ impl Goals {
     }
 
     pub(super) fn row(&self, goal: usize) -> &[(VertexId, Vector3<f64>)] {
-        &self.terms[self.offsets[goal]..self.offsets[goal + 1]]
+        let start = if goal == 0 { 0 } else { self.ends[goal - 1] };
+        &self.terms[start..self.ends[goal]]
     }
 
     pub(super) fn wanted_m(&self, goal: usize) -> f64 {
         self.wanted_m[goal]
-    }
-
-    pub(super) fn copy(&self, goal: usize) -> usize {
-        self.copies[goal]
     }
 
     /// All vertices that goals speak of, some of them several times.
@@ -72,35 +70,39 @@ impl Goals {
         self.terms.iter().map(|&(vertex, _)| vertex)
     }
 
-    /// Collects the goals of all paths; `aim` says for each copy how.
-    pub(super) fn collect(&mut self, scene: &Scene<'_>, aim: impl Fn(usize) -> Aim) {
-        self.offsets.clear();
-        self.offsets.push(0);
+    /// Forgets all goals.
+    pub(super) fn clear(&mut self) {
+        self.ends.clear();
         self.terms.clear();
         self.wanted_m.clear();
         self.copies.clear();
+        self.is_pair.clear();
+    }
+
+    /// Collects the goals of all paths.
+    pub(super) fn collect(&mut self, scene: &Scene<'_>, aim: Aim) {
+        self.clear();
         let copies = &scene.analysis.paths.copies;
         for (copy, path) in copies.iter().enumerate() {
             let has = |copy: usize| scene.found.paths.binary_search_by_key(&copy, |path| path.copy);
-            match (aim(copy), has(copy)) {
+            match (aim, has(copy)) {
                 (Aim::Normal, Ok(index)) => self.part(scene, &scene.found.paths[index], false),
                 (Aim::Target, Ok(index)) => self.part(scene, &scene.found.paths[index], true),
                 (Aim::Normal | Aim::Target, Err(_)) if has(path.partner).is_ok() => {}
+                // What concerns both paths of a pair is said once.
+                _ if copy > path.partner => {}
                 (Aim::Normal | Aim::Target, Err(_)) if path.path_type == PathType::BoundaryInside => {
-                    if copy < path.partner {
-                        self.slide(scene, copy);
-                    }
+                    self.slide(scene, copy);
                 }
-                _ if copy <= path.partner => self.shorten(scene, copy),
-                _ => {}
+                _ => self.shorten(scene, copy),
             }
         }
     }
 
     /// Parts the sheets along a path with a region: points inside move to the other side of the corresponding sheet.
     fn part(&mut self, scene: &Scene<'_>, path: &PathCorrespondence, to_targets: bool) {
-        let Scene { mesh, frame, found, orientation, .. } = *scene;
-        let gap = gap_edges() * path.edge_length_m;
+        let Scene { mesh, frame, analysis, found, orientation } = *scene;
+        let gap = GAP * path.edge_length_m;
         let partings = &found.partings[path.partings.clone()];
         // The side of the corresponding sheet on which the inside belongs.
         let mut side = 0.0;
@@ -110,6 +112,10 @@ impl Goals {
             }
         }
         let side = if side < 0.0 { -1.0 } else { 1.0 };
+        // Where both sheets have an inside they change places; a single one goes to the other sheet.
+        let partner = analysis.paths.copies[path.copy].partner;
+        let both = found.paths.binary_search_by_key(&partner, |path| path.copy).is_ok();
+        let way_parts = if both { 2.0 } else { 1.0 };
         for parting in partings {
             self.push_pair(&parting.own, &parting.partner, parting.direction, gap, path.copy);
         }
@@ -120,7 +126,7 @@ impl Goals {
             if to_targets {
                 let length = way.norm();
                 if length > 1e-9 * path.edge_length_m {
-                    self.push_pair(&pull.source, &pull.target, way / length, length + gap, path.copy);
+                    self.push_pair(&pull.source, &pull.target, way / length, way_parts * length + gap, path.copy);
                 }
             } else {
                 self.push_pair(&pull.source, &pull.target, normal, normal.dot(&way) + gap, path.copy);
@@ -148,7 +154,7 @@ impl Goals {
             if let (Some(own), Some(partner)) = (own, partner)
                 && length > 0.0
             {
-                self.push_pair(&own, &partner, way / length, length + gap_edges() * edge_length_m, copy);
+                self.push_pair(&own, &partner, way / length, length + GAP * edge_length_m, copy);
             }
         }
     }
@@ -170,9 +176,37 @@ impl Goals {
             for (_, coefficient) in &mut self.terms[first..] {
                 *coefficient /= norm;
             }
-            self.finish_row(SHORTENING * length / norm, copy);
+            self.finish_row(SHORTENING * length / norm, copy, false);
         } else {
             self.terms.truncate(first);
+            self.draw_back(scene, copy);
+        }
+    }
+
+    /// Draws edges back out of the faces that they pierce, by the end that is nearer: for paths that are mere points.
+    fn draw_back(&mut self, scene: &Scene<'_>, copy: usize) {
+        let Scene { mesh, frame, analysis, .. } = *scene;
+        let path = &analysis.paths.copies[copy];
+        let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments[path.segments.clone()]) else {
+            return;
+        };
+        for point in &analysis.paths.points[path.points.clone()] {
+            let ((SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
+            | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter })) =
+                (point.own, point.partner)
+            else {
+                continue;
+            };
+            let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
+            let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
+            let ends = mesh.edge(edge);
+            let (tip, other) = if parameter < 0.5 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
+            let depth = normal.dot(&(frame.position(tip) - point.position));
+            let back = normal.dot(&(frame.position(other) - point.position));
+            let direction = if back - depth < 0.0 { -normal } else { normal };
+            let pierced = MaterialPoint { vertices: mesh.face(face), weights: barycentric };
+            let wanted_m = depth.abs() + GAP * edge_length_m;
+            self.push_pair(&MaterialPoint::vertex(tip), &pierced, direction, wanted_m, copy);
         }
     }
 
@@ -182,6 +216,34 @@ impl Goals {
         let length = apart.norm();
         if length > 0.0 {
             self.push_pair(own, partner, apart / length, gap_m.min(0.5 * length) - length, usize::MAX);
+        }
+    }
+
+    /// Takes over goals of another frame, to be held from now on: what they have parted stays apart.
+    pub(super) fn hold(&mut self, other: &Self, frame: &Frame) {
+        for goal in 0..other.len() {
+            let apart: f64 = other
+                .row(goal)
+                .iter()
+                .map(|(vertex, coefficient)| coefficient.dot(&frame.position(*vertex).coords))
+                .sum();
+            // Only pairs of points part; a path that is to get shorter is no distance.
+            if other.is_pair[goal] && apart > 0.0 {
+                self.terms.extend_from_slice(other.row(goal));
+                self.finish_row(0.0, other.copies[goal], true);
+            }
+        }
+    }
+
+    /// Wants of all goals that they stay as far apart as they are now, but no farther than `gap_m`.
+    pub(super) fn stay_apart(&mut self, frame: &Frame, gap_m: f64) {
+        for goal in 0..self.len() {
+            let apart: f64 = self
+                .row(goal)
+                .iter()
+                .map(|(vertex, coefficient)| coefficient.dot(&frame.position(*vertex).coords))
+                .sum();
+            self.wanted_m[goal] = apart.min(gap_m) - apart;
         }
     }
 
@@ -198,23 +260,13 @@ impl Goals {
                 self.terms.push((vertex, direction * (sign * weight)));
             }
         }
-        self.finish_row(wanted_m, copy);
+        self.finish_row(wanted_m, copy, true);
     }
 
-    fn finish_row(&mut self, wanted_m: f64, copy: usize) {
-        self.offsets.push(self.terms.len());
+    fn finish_row(&mut self, wanted_m: f64, copy: usize, is_pair: bool) {
+        self.is_pair.push(is_pair);
+        self.ends.push(self.terms.len());
         self.wanted_m.push(wanted_m);
         self.copies.push(copy);
-    }
-
-    /// Left-hand sides for a motion of the domain.
-    pub(super) fn apply(&self, domain: &Domain, motion: &[Vector3<f64>], out: &mut Vec<f64>) {
-        out.clear();
-        out.extend((0..self.len()).map(|goal| {
-            self.row(goal)
-                .iter()
-                .filter_map(|(vertex, coefficient)| domain.local(*vertex).map(|local| coefficient.dot(&motion[local])))
-                .sum::<f64>()
-        }));
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::{
     frame::Frame,
-    mesh::{EdgeId, FaceId, Mesh},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
 };
 
 /// No face may lose more than this part of its area in the input.
@@ -26,16 +26,10 @@ impl Guard {
         Self { areas, lengths }
     }
 
-    /// Whether a face has become, or gone on becoming, too small against the input.
-    pub(super) fn refuses_face(
-        &self,
-        mesh: &Mesh,
-        before: &[Point3<f64>],
-        after: &[Point3<f64>],
-        face: FaceId,
-    ) -> bool {
-        let now = area(mesh, after, face);
-        now < SMALLEST_AREA * self.areas[face.index()] && now < area(mesh, before, face)
+    /// Whether a face or an edge of a vertex has become, or gone on becoming, too small or too long against the input.
+    pub(super) fn refuses(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], vertex: VertexId) -> bool {
+        mesh.vertex_faces(vertex).iter().any(|&face| self.refuses_face(mesh, before, after, face))
+            || mesh.vertex_edges(vertex).iter().any(|&edge| self.refuses_edge(mesh, before, after, edge))
     }
 
     /// Length of an edge over that in the input; 1 where it had none.
@@ -44,17 +38,17 @@ impl Guard {
         if input > 0.0 { length(mesh, positions, edge) / input } else { 1.0 }
     }
 
-    /// Whether an edge has become, or gone on becoming, too long or too short against the input.
-    pub(super) fn refuses_edge(
-        &self,
-        mesh: &Mesh,
-        before: &[Point3<f64>],
-        after: &[Point3<f64>],
-        edge: EdgeId,
-    ) -> bool {
+    fn refuses_face(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], face: FaceId) -> bool {
+        let now = area(mesh, after, face);
+        now < SMALLEST_AREA * self.areas[face.index()] && now < area(mesh, before, face)
+    }
+
+    fn refuses_edge(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], edge: EdgeId) -> bool {
         let input = self.lengths[edge.index()];
         let (then, now) = (length(mesh, before, edge), length(mesh, after, edge));
-        (now > LARGEST_STRETCH * input && now > then) || (now * LARGEST_STRETCH < input && now < then)
+        // An edge without a length may get one.
+        let too_long = input > 0.0 && now > LARGEST_STRETCH * input && now > then;
+        too_long || (now * LARGEST_STRETCH < input && now < then)
     }
 }
 

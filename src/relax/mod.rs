@@ -1,15 +1,22 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod candidate;
 mod clusters;
+mod coupled;
 mod domain;
 mod goals;
 mod guard;
+mod local;
 mod motion;
 mod orient;
+mod plan;
+mod settle;
 mod shape;
 mod solver;
 
 use std::ops::ControlFlow;
+
+pub use coupled::CoupledStep;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -56,6 +63,8 @@ pub enum Method {
     Push,
     /// Down the gradient of the path length.
     Contour,
+    /// Back towards the shape of the input, with nothing left to resolve.
+    Settle,
 }
 
 /// The state after an iteration.
@@ -113,9 +122,5 @@ pub fn relax(
     settings: &RelaxSettings,
     progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    solver::run(mesh, positions, settings, progress)
-}
-
-pub(crate) fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
+    solver::Relaxer::new(mesh, positions, settings)?.run(progress)
 }

@@ -8,39 +8,63 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{
     goals::Goals,
+    local::{LocalGoals, reached},
     shape::{Body, Stiffness},
 };
 
 /// Weight of the goals against the motion of one vertex.
-#[allow(non_snake_case)]
-fn HARDNESS() -> f64 {
-    super::knob("HARD", 1000.0)
-}
-const PASSES: usize = 4;
+const HARDNESS: f64 = 1000.0;
+/// Newton steps, each with the rotations that fit the motion so far.
+const PASSES: usize = 12;
+/// Passes end when the motion changes by no more than this part of its size.
+const SETTLED: f64 = 0.01;
+/// How often edges that stretch too much are made stiffer.
 const ROUNDS: usize = 4;
+/// Each time by this factor, and the square of the excess.
+const EMPHASIS: f64 = 2.0;
+const LARGEST_EMPHASIS: f64 = 1000.0;
 const MOST_STEPS: usize = 60;
+/// Conjugate gradients end at this part of the first residual.
 const ACCURACY: f64 = 1e-3;
 
 /// Memory of the solver.
 #[derive(Debug, Default)]
 pub(super) struct MotionSolver {
+    /// One vector for each vertex of the domain, in metres.
     pub(super) motion: Vec<Vector3<f64>>,
+    goals: LocalGoals,
     rotations: Vec<[Matrix3<f64>; 2]>,
     force: Vec<Vector3<f64>>,
     residual: Vec<Vector3<f64>>,
     precond: Vec<Vector3<f64>>,
     search: Vec<Vector3<f64>>,
     image: Vec<Vector3<f64>>,
-    rows: Vec<f64>,
+    before: Vec<Vector3<f64>>,
     active: Vec<bool>,
     emphasis: Vec<f64>,
     scratch: Vec<f64>,
 }
 
 impl MotionSolver {
-    /// Finds the motion; it stands in `motion` then, one vector for each vertex of the domain.
-    pub(super) fn solve(&mut self, body: &Body<'_>, stiffness: f64, tolerated: f64, goals: &Goals) -> bool {
+    /// Finds the motion. Edges that change their length by more than a factor `tolerated` are made stiffer, again and again. With `again` it goes
+    /// on from the last motion, of the same domain, and its stiffer edges. False where a system can't be factorised.
+    ///
+    /// Cost: some factorisations of the domain's graph Laplacian and some hundred solutions with them.
+    pub(super) fn solve(
+        &mut self,
+        body: &Body<'_>,
+        stiffness: f64,
+        tolerated: f64,
+        goals: &Goals,
+        again: bool,
+    ) -> bool {
         let size = body.domain.vertices().len();
+        self.goals.set(goals, body.domain);
+        if !again {
+            self.motion.clear();
+            self.emphasis.clear();
+        }
+        self.emphasis.resize(body.mesh.num_edges(), 1.0);
         for vectors in [
             &mut self.motion,
             &mut self.force,
@@ -48,20 +72,22 @@ impl MotionSolver {
             &mut self.precond,
             &mut self.search,
             &mut self.image,
+            &mut self.before,
         ] {
-            vectors.clear();
             vectors.resize(size, Vector3::zeros());
         }
-        self.emphasis.clear();
-        self.emphasis.resize(body.mesh.num_edges(), 1.0);
-        for round in 0..ROUNDS {
+        for round in 0..if again { 1 } else { ROUNDS } {
             let Some(factors) = Stiffness::factorise(body, stiffness, &self.emphasis) else { return false };
             for _ in 0..PASSES {
+                self.before.copy_from_slice(&self.motion);
                 factors.force(body, &self.motion, &self.emphasis, &mut self.rotations, &mut self.force);
-                goals.apply(body.domain, &self.motion, &mut self.rows);
+                let motion = &self.motion;
                 self.active.clear();
-                self.active.extend(self.rows.iter().enumerate().map(|(goal, &reached)| reached < goals.wanted_m(goal)));
-                self.descend(body, &factors, goals);
+                self.active.extend(self.goals.rows().map(|(row, wanted_m)| reached(row, motion) < wanted_m));
+                self.descend(&factors);
+                if self.is_settled() {
+                    break;
+                }
             }
             if round + 1 == ROUNDS || !self.emphasise(body, tolerated) {
                 break;
@@ -70,20 +96,28 @@ impl MotionSolver {
         true
     }
 
+    /// Whether the last pass changed little.
+    fn is_settled(&self) -> bool {
+        let change: f64 = self.motion.iter().zip(&self.before).map(|(now, before)| (now - before).norm_squared()).sum();
+        let size: f64 = self.motion.iter().map(Vector3::norm_squared).sum();
+        change <= SETTLED * SETTLED * size
+    }
+
     /// Makes edges stiffer that change their length too much; false if there are none.
     fn emphasise(&mut self, body: &Body<'_>, tolerated: f64) -> bool {
         let mut any = false;
         let limit = tolerated.ln();
         for &vertex in body.domain.vertices() {
             for &edge in body.mesh.vertex_edges(vertex) {
-                let [a, b] = body.mesh.edge(edge);
+                let [first, second] = body.mesh.edge(edge);
                 // Each edge once.
-                if vertex == a || body.domain.local(if vertex == a { b } else { a }).is_none() {
+                if vertex == first || body.domain.local(first).is_none() {
+                    debug_assert!(vertex == first || vertex == second);
                     let strain = body.stretch(&self.motion, edge).ln().abs() / limit;
                     if strain > 1.0 {
                         any = true;
-                        self.emphasis[edge.index()] =
-                            (self.emphasis[edge.index()] * strain * strain * super::knob("EMPH", 2.0)).min(1000.0);
+                        let emphasis = &mut self.emphasis[edge.index()];
+                        *emphasis = (*emphasis * strain * strain * EMPHASIS).min(LARGEST_EMPHASIS);
                     }
                 }
             }
@@ -92,16 +126,15 @@ impl MotionSolver {
     }
 
     /// Conjugate gradients on `(A + W B^T B) d = force + W B^T wanted`, from the present motion, over the acting goals.
-    fn descend(&mut self, body: &Body<'_>, stiffness: &Stiffness, goals: &Goals) {
-        self.image_of_motion(body, stiffness, goals);
-        for (local, residual) in self.residual.iter_mut().enumerate() {
-            *residual = self.force[local] - self.image[local];
+    fn descend(&mut self, stiffness: &Stiffness) {
+        stiffness.multiply(&self.motion, &mut self.image);
+        for (residual, (force, image)) in self.residual.iter_mut().zip(self.force.iter().zip(&self.image)) {
+            *residual = force - image;
         }
-        for goal in (0..goals.len()).filter(|&goal| self.active[goal]) {
-            for (vertex, coefficient) in goals.row(goal) {
-                if let Some(local) = body.domain.local(*vertex) {
-                    self.residual[local] += coefficient * (HARDNESS() * goals.wanted_m(goal));
-                }
+        for ((row, wanted_m), _) in self.goals.rows().zip(&self.active).filter(|(_, active)| **active) {
+            let missing = wanted_m - reached(row, &self.motion);
+            for (local, coefficient) in row {
+                self.residual[*local] += coefficient * (HARDNESS * missing);
             }
         }
         self.precond.copy_from_slice(&self.residual);
@@ -113,8 +146,13 @@ impl MotionSolver {
             if product <= target || product <= 0.0 {
                 break;
             }
-            stiffness.multiply(body, &self.search, &self.emphasis, &mut self.image);
-            self.add_goals(body, goals, true);
+            stiffness.multiply(&self.search, &mut self.image);
+            for ((row, _), _) in self.goals.rows().zip(&self.active).filter(|(_, active)| **active) {
+                let along = reached(row, &self.search);
+                for (local, coefficient) in row {
+                    self.image[*local] += coefficient * (HARDNESS * along);
+                }
+            }
             let curvature = dot(&self.search, &self.image);
             if curvature <= 0.0 {
                 break;
@@ -132,30 +170,6 @@ impl MotionSolver {
                 *search = precond + *search * keep;
             }
             product = next;
-        }
-    }
-
-    fn image_of_motion(&mut self, body: &Body<'_>, stiffness: &Stiffness, goals: &Goals) {
-        stiffness.multiply(body, &self.motion, &self.emphasis, &mut self.image);
-        self.add_goals(body, goals, false);
-    }
-
-    /// Adds `W B^T B v` of the acting goals to the image, for the search direction or the motion.
-    fn add_goals(&mut self, body: &Body<'_>, goals: &Goals, of_search: bool) {
-        let vectors = if of_search { &self.search } else { &self.motion };
-        for goal in (0..goals.len()).filter(|&goal| self.active[goal]) {
-            let here = |(vertex, coefficient): &(_, Vector3<f64>)| {
-                body.domain.local(*vertex).map(|local| (local, *coefficient))
-            };
-            let reached: f64 = goals
-                .row(goal)
-                .iter()
-                .filter_map(here)
-                .map(|(local, coefficient)| coefficient.dot(&vectors[local]))
-                .sum();
-            for (local, coefficient) in goals.row(goal).iter().filter_map(here) {
-                self.image[local] += coefficient * (HARDNESS() * reached);
-            }
         }
     }
 }

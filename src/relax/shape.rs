@@ -50,6 +50,11 @@ impl Shape {
         self.weights[edge.index()]
     }
 
+    /// A position in the input.
+    pub(super) fn position(&self, vertex: VertexId) -> Point3<f64> {
+        self.positions[vertex.index()]
+    }
+
     fn side(&self, from: VertexId, to: VertexId) -> Vector3<f64> {
         self.positions[to.index()] - self.positions[from.index()]
     }
@@ -58,6 +63,11 @@ impl Shape {
 /// The factorised quadratic part for one stiffness.
 pub(super) struct Stiffness {
     factors: Llt<usize, f64>,
+    /// For each vertex of the domain where its row ends.
+    row_ends: Vec<u32>,
+    /// Neighbours within the domain, with the weights of their edges.
+    neighbours: Vec<(u32, f64)>,
+    diagonal: Vec<f64>,
     stiffness: f64,
 }
 
@@ -85,25 +95,29 @@ impl Body<'_> {
 }
 
 impl Stiffness {
-    /// Factorises; nothing where the numbers don't allow it.
+    /// Factorises; nothing where the numbers don't allow it. `emphasis` makes edges stiffer, one factor for each edge of the mesh.
     pub(super) fn factorise(body: &Body<'_>, stiffness: f64, emphasis: &[f64]) -> Option<Self> {
         let size = body.domain.vertices().len();
+        let (mut row_ends, mut neighbours, mut diagonal) = (Vec::with_capacity(size), Vec::new(), Vec::new());
         let mut entries = Vec::new();
         for (local, &vertex) in body.domain.vertices().iter().enumerate() {
-            let mut diagonal = 1.0;
+            let mut sum = 1.0;
             for &edge in body.mesh.vertex_edges(vertex) {
                 let weight = stiffness * body.shape.weight(edge) * emphasis[edge.index()];
-                diagonal += weight;
-                if let Some(other) = body.domain.local(body.mesh.opposite_vertex(edge, vertex))
-                    && other < local
-                {
-                    entries.push(Triplet { row: local, col: other, val: -weight });
+                sum += weight;
+                if let Some(other) = body.domain.local(body.mesh.opposite_vertex(edge, vertex)) {
+                    neighbours.push((u32::try_from(other).ok()?, weight));
+                    if other < local {
+                        entries.push(Triplet { row: local, col: other, val: -weight });
+                    }
                 }
             }
-            entries.push(Triplet { row: local, col: local, val: diagonal });
+            entries.push(Triplet { row: local, col: local, val: sum });
+            diagonal.push(sum);
+            row_ends.push(u32::try_from(neighbours.len()).ok()?);
         }
         let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?;
-        Some(Self { factors: matrix.sp_cholesky(Side::Lower).ok()?, stiffness })
+        Some(Self { factors: matrix.sp_cholesky(Side::Lower).ok()?, row_ends, neighbours, diagonal, stiffness })
     }
 
     /// `A^-1 v`, in place, for all three coordinates.
@@ -122,21 +136,15 @@ impl Stiffness {
     }
 
     /// `A v`.
-    pub(super) fn multiply(
-        &self,
-        body: &Body<'_>,
-        vectors: &[Vector3<f64>],
-        emphasis: &[f64],
-        out: &mut [Vector3<f64>],
-    ) {
-        for (local, &vertex) in body.domain.vertices().iter().enumerate() {
-            let mut sum = vectors[local];
-            for &edge in body.mesh.vertex_edges(vertex) {
-                let other = body.domain.local(body.mesh.opposite_vertex(edge, vertex));
-                let there = other.map_or_else(Vector3::zeros, |other| vectors[other]);
-                sum += (vectors[local] - there) * (self.stiffness * body.shape.weight(edge) * emphasis[edge.index()]);
+    pub(super) fn multiply(&self, vectors: &[Vector3<f64>], out: &mut [Vector3<f64>]) {
+        let mut start = 0;
+        for (local, &end) in self.row_ends.iter().enumerate() {
+            let mut sum = vectors[local] * self.diagonal[local];
+            for &(other, weight) in &self.neighbours[start..end as usize] {
+                sum -= vectors[other as usize] * weight;
             }
             out[local] = sum;
+            start = end as usize;
         }
     }
 

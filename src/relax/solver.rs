@@ -6,367 +6,303 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    BlockedPath, Iteration, Method, Quality, RelaxError, RelaxSettings, Relaxation,
+    BlockedPath, Iteration, Method, RelaxError, RelaxSettings, Relaxation,
+    candidate::{Candidate, Trial, Try, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
-    goals::{Aim, Goals, Scene},
+    goals::{Goals, Scene},
     guard::Guard,
-    motion::MotionSolver,
     orient::Orientation,
+    plan::{PLANS, Plan, tries},
     shape::{Body, Shape},
 };
 use crate::{
-    analysis::Analyser,
-    correspond::{Correspondent, MaterialPoint},
+    analysis::{Analyser, Analysis},
+    correspond::Correspondent,
     frame::Frame,
-    intersect::{Intersections, Intersector},
     mesh::Mesh,
-    settings::Settings,
+    settings::{InsideChoice, Settings},
 };
 
+/// Rings round the goals that may move.
 const RINGS: usize = 14;
+/// From the second iteration on, edges are drawn this far towards their shape in the input.
+const MEMORY: f64 = 0.3;
+/// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
+const LARGE_STRAIN: f64 = 0.25;
+/// Gives up after so many iterations without a better state.
+const PATIENCE: usize = 5;
+/// Iterations that bring back the shape once nothing intersects any more.
+const SETTLINGS: usize = 4;
 
-/// Longest motion of one iteration, in mean edge lengths of the cloth round the paths.
-const LONGEST: f64 = 6.0;
-const PATIENCE: usize = 8;
-/// How often a motion is found again, with what it ran into as obstacles.
-const CONTACT_ROUNDS: usize = 2;
-
-/// A way to make a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Try {
-    aim: Aim,
-    stiffness: f64,
-    /// Edges that change their length by more than this factor get stiffer.
-    tolerated: f64,
+/// Why iterations ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    Clean,
+    Stuck,
+    Exhausted,
+    Interrupted,
 }
 
-/// One motion that is tried, with its memory.
-#[derive(Default)]
-struct Candidate {
-    goals: Goals,
-    solver: MotionSolver,
-    intersector: Intersector,
-    found: Intersections,
-    frame: Frame,
+/// The least tangled state so far.
+struct Best {
+    merit: f64,
     positions: Vec<Point3<f64>>,
-    tangles: Vec<Tangle>,
-    /// For each cluster the largest logarithm of an edge's length over that in the input.
-    strains: Vec<f64>,
-    usable: bool,
 }
 
-pub(super) fn run(
-    mesh: &Mesh,
-    positions: &[[f64; 3]],
-    settings: &RelaxSettings,
-    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-) -> Result<Relaxation, RelaxError> {
-    let mut frame = Frame::new(mesh, positions)?;
-    let verbose = std::env::var("RELAX_VERBOSE").is_ok();
-    let mut analyser = Analyser::default();
-    let analysis_settings = Settings::default();
-    let mut correspondent = Correspondent::default();
-    let orientation = Orientation::of(mesh);
-    let shape = Shape::of(mesh, &frame);
-    let guard = Guard::of(mesh, &frame);
-    let mut clusters = Clusters::default();
-    let mut domain = Domain::default();
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut history = Vec::new();
-    let mut best: (f64, Vec<Point3<f64>>) = (f64::INFINITY, frame.positions().to_vec());
-    let mut impatience = 0;
-    let mut stuck = false;
-    let mut interrupted = false;
-    let mut blocked = Vec::new();
-    loop {
-        let analysis = analyser.analyse(mesh, &frame, &analysis_settings, &mut ());
-        clusters.find(mesh, analysis, RINGS);
-        let mut now = Vec::new();
-        measure(mesh, &frame, &analysis.intersections, &clusters, &mut now);
-        let merit: f64 = now.iter().map(Tangle::merit).sum();
-        if merit < best.0 {
-            best = (merit, frame.positions().to_vec());
-            impatience = 0;
-        } else {
-            impatience += 1;
-        }
-        if merit <= 0.0 && analysis.intersections.edge_face.is_empty() {
-            break;
-        }
-        if history.len() >= settings.max_iterations || impatience > PATIENCE {
-            blocked = analysis
-                .paths
-                .pairs
-                .iter()
-                .map(|pair| BlockedPath {
-                    pair_type: pair.pair_type,
-                    vertex: mesh
-                        .face(analysis.paths.segments[analysis.paths.copies[pair.copies.start].segments.start].own)[0]
-                        .0,
-                    length_m: pair.length_m,
-                    reason: "none of the methods shortened it".into(),
-                })
-                .collect();
-            break;
-        }
-        let found = correspondent.find(mesh, &frame, analysis, &analysis_settings);
-        let scene = Scene { mesh, frame: &frame, analysis, found, orientation: &orientation };
-        let tries: Vec<Try> = tries(settings.quality, impatience > 0 || stuck);
-        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
-        for (candidate, attempt) in candidates.iter_mut().zip(&tries) {
-            candidate.goals.collect(&scene, |_| attempt.aim);
-        }
-        let seeds = || candidates[..tries.len()].iter().flat_map(|candidate| candidate.goals.vertices());
-        domain.grow(mesh, seeds(), RINGS);
-        let body = Body {
+/// One relaxation under way.
+pub(super) struct Relaxer<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) settings: &'a RelaxSettings,
+    pub(super) analysis_settings: Settings,
+    pub(super) frame: Frame,
+    pub(super) shape: Shape,
+    pub(super) guard: Guard,
+    pub(super) orientation: Orientation,
+    pub(super) analyser: Analyser,
+    pub(super) correspondent: Correspondent,
+    clusters: Clusters,
+    pub(super) domain: Domain,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) spared: Vec<bool>,
+    pub(super) now: Vec<Tangle>,
+    /// What was parted so far, and is to stay apart.
+    pub(super) parted: Goals,
+    /// The clusters of the first state, which say what moves together while the shape comes back.
+    pub(super) first_clusters: Clusters,
+    pub(super) edge_length_m: f64,
+    history: Vec<Iteration>,
+}
+
+impl<'a> Relaxer<'a> {
+    pub(super) fn new(mesh: &'a Mesh, positions: &[[f64; 3]], settings: &'a RelaxSettings) -> Result<Self, RelaxError> {
+        let frame = Frame::new(mesh, positions)?;
+        Ok(Self {
             mesh,
-            frame: &frame,
-            shape: &shape,
-            domain: &domain,
-            memory: if history.is_empty() { 0.0 } else { super::knob("MEM", 0.5) },
-        };
-        let mut edge = 0.0;
-        let mut count = 0.0f64;
-        for segment in &analysis.paths.segments {
-            let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));
-            edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-            count += 3.0;
-        }
-        // Where the sheets are to pass through each other.
-        let mut spared = vec![false; mesh.num_vertices()];
-        for segment in &analysis.intersections.segments {
-            for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
-                spared[vertex.index()] = true;
-            }
-        }
-        for vertex in &analysis.regions.vertices {
-            spared[vertex.index()] = true;
-        }
-        let longest = LONGEST * edge / count.max(1.0);
-        candidates.par_iter_mut().zip(&tries).for_each(|(candidate, attempt)| {
-            candidate.usable = false;
-            for round in 0..=CONTACT_ROUNDS {
-                if !candidate.solver.solve(&body, attempt.stiffness, attempt.tolerated, &candidate.goals) {
-                    return;
-                }
-                candidate.limit(&body, &clusters, longest);
-                candidate.place(&body, &clusters, &guard, settings.single_precision);
-                candidate.detect(mesh, &clusters);
-                if round == CONTACT_ROUNDS || !candidate.usable || !candidate.add_contacts(&scene, &spared) {
-                    break;
-                }
-            }
-            candidate.measure_strain(&body, &clusters, &guard);
-        });
-        // For each cluster the best candidate.
-        let mut choice: Vec<Option<usize>> = vec![None; clusters.len() + 1];
-        for cluster in 0..=clusters.len() {
-            let mut best_merit = if impatience == 0 { now[cluster].merit() } else { f64::INFINITY };
-            let mut best_strain = f64::INFINITY;
-            for (index, candidate) in
-                candidates[..tries.len()].iter().enumerate().filter(|(_, candidate)| candidate.usable)
-            {
-                let merit = candidate.tangles[cluster].merit();
-                let strain = candidate.strains[cluster];
-                if merit < best_merit
-                    || (merit <= best_merit && merit <= 0.0 && strain < best_strain && choice[cluster].is_some())
-                {
-                    best_merit = merit;
-                    best_strain = strain;
-                    choice[cluster] = Some(index);
-                }
-            }
-        }
-        stuck = (0..=clusters.len()).any(|cluster| now[cluster].merit() > 0.0 && choice[cluster].is_none());
-        let mut composed = frame.positions().to_vec();
-        for &vertex in domain.vertices() {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            if let Some(index) = choice[cluster] {
-                composed[vertex.index()] = candidates[index].positions[vertex.index()];
-            }
-        }
-        if verbose {
-            let merits: Vec<String> = candidates[..tries.len()]
-                .iter()
-                .zip(&tries)
-                .map(|(c, t)| {
-                    format!(
-                        "{:?}/{}: {} {:.1}",
-                        t.aim,
-                        t.stiffness,
-                        c.found.edge_face.len(),
-                        c.tangles.iter().map(Tangle::merit).sum::<f64>()
-                    )
-                })
-                .collect();
-            eprintln!(
-                "iteration {} ef {} merit {merit:.2} impatience {impatience} clusters {} goals {} domain {} {merits:?} {:?}",
-                history.len(),
-                analysis.intersections.edge_face.len(),
-                clusters.len(),
-                candidates[0].goals.len(),
-                domain.vertices().len(),
-                choice
-            );
-        }
-        frame.set(mesh, composed.iter().map(|p| [p.x, p.y, p.z]))?;
-        let mut tally = [0usize; 3];
-        for index in choice.iter().flatten() {
-            tally[tries[*index].aim as usize] += 1;
-        }
-        let method = match tally.iter().enumerate().max_by_key(|(_, n)| **n).map(|(k, _)| k) {
-            Some(0) => Method::Push,
-            Some(1) => Method::Rbf,
-            _ => Method::Contour,
-        };
-        let iteration = Iteration {
-            num_edge_face_intersections: analysis.intersections.edge_face.len(),
-            path_length_m: now.iter().map(|tangle| tangle.length_m).sum(),
-            method,
-        };
-        history.push(iteration);
-        if progress(&iteration).is_break() {
-            interrupted = true;
-            break;
-        }
-    }
-    let positions = if blocked.is_empty() { frame.positions() } else { &best.1[..] };
-    Ok(Relaxation {
-        positions: if history.is_empty() {
-            positions_of_input(positions, frame.positions())
-        } else {
-            positions.iter().map(|p| [p.x, p.y, p.z]).collect()
-        },
-        history,
-        blocked,
-        interrupted,
-    })
-}
-
-fn positions_of_input(_: &[Point3<f64>], input: &[Point3<f64>]) -> Vec<[f64; 3]> {
-    input.iter().map(|p| [p.x, p.y, p.z]).collect()
-}
-
-fn tries(quality: Quality, widen: bool) -> Vec<Try> {
-    let stiffnesses: &[f64] = match quality {
-        Quality::Fast => &[16.0],
-        _ => &[1.0, 16.0, 256.0],
-    };
-    let mut tries = Vec::new();
-    let aims: &[Aim] = if !widen { &[Aim::Normal] } else { &[Aim::Normal, Aim::Target, Aim::Shorten] };
-    for &aim in aims {
-        for &stiffness in stiffnesses {
-            for tolerated in [f64::INFINITY, super::knob("TOL", 1.08)] {
-                tries.push(Try { aim, stiffness, tolerated });
-            }
-        }
-    }
-    tries
-}
-
-impl Candidate {
-    /// Shrinks the motion of a cluster that goes too far.
-    fn limit(&mut self, body: &Body<'_>, clusters: &Clusters, longest: f64) {
-        let mut largest = vec![0.0f64; clusters.len() + 1];
-        for (&vertex, motion) in body.domain.vertices().iter().zip(&self.solver.motion) {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            largest[cluster] = largest[cluster].max(motion.norm());
-        }
-        for (&vertex, motion) in body.domain.vertices().iter().zip(&mut self.solver.motion) {
-            let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-            if largest[cluster] > longest {
-                *motion *= longest / largest[cluster];
-            }
-        }
+            settings,
+            analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
+            shape: Shape::of(mesh, &frame),
+            guard: Guard::of(mesh, &frame),
+            orientation: Orientation::of(mesh),
+            frame,
+            analyser: Analyser::default(),
+            correspondent: Correspondent::default(),
+            clusters: Clusters::default(),
+            domain: Domain::default(),
+            candidates: Vec::new(),
+            spared: Vec::new(),
+            now: Vec::new(),
+            parted: Goals::default(),
+            first_clusters: Clusters::default(),
+            edge_length_m: 0.0,
+            history: Vec::new(),
+        })
     }
 
-    /// Moves, halving the motion of clusters until nothing is crushed or overstretched.
-    fn place(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard, single: bool) {
-        let before = body.frame.positions();
-        self.positions.clear();
-        self.positions.extend_from_slice(before);
-        let mut scale = vec![1.0f64; clusters.len() + 1];
-        for round in 0..5 {
-            for (&vertex, motion) in body.domain.vertices().iter().zip(&self.solver.motion) {
-                let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-                let mut point = before[vertex.index()] + motion * scale[cluster];
-                if single {
-                    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-                    let rounded = point.map(|value| f64::from(value as f32));
-                    point = rounded;
-                }
-                self.positions[vertex.index()] = point;
+    pub(super) fn run(
+        mut self,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<Relaxation, RelaxError> {
+        let input = self.frame.positions().to_vec();
+        let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
+        self.analyse();
+        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
+        let mut interrupted = false;
+        let mut reason = "";
+        for (index, plan) in PLANS.into_iter().enumerate() {
+            self.analysis_settings.inside = plan.inside;
+            if index > 0 {
+                self.parted.clear();
+                self.set_frame(&input)?;
             }
-            let mut refused = vec![false; clusters.len() + 1];
-            for &vertex in body.domain.vertices() {
-                let cluster = clusters.of(vertex).unwrap_or(clusters.len());
-                refused[cluster] |= body
-                    .mesh
-                    .vertex_faces(vertex)
-                    .iter()
-                    .any(|&face| guard.refuses_face(body.mesh, before, &self.positions, face))
-                    || body
-                        .mesh
-                        .vertex_edges(vertex)
-                        .iter()
-                        .any(|&edge| guard.refuses_edge(body.mesh, before, &self.positions, edge));
-            }
-            let mut any = false;
-            for (scale, refused) in scale.iter_mut().zip(refused) {
-                if refused {
-                    any = true;
-                    *scale = if round == 3 { 0.0 } else { *scale * 0.5 };
-                }
-            }
-            if !any {
+            let end = self.follow(plan, &mut best, progress)?;
+            reason = match end {
+                End::Clean => "",
+                End::Exhausted => "the largest number of iterations was reached",
+                End::Stuck => "no motion left it shorter without crushing or overstretching the cloth",
+                End::Interrupted => "the work was interrupted",
+            };
+            interrupted = end == End::Interrupted;
+            if end != End::Stuck {
                 break;
             }
         }
-    }
-
-    /// Adds goals for what this motion ran into; false if there is nothing new.
-    fn add_contacts(&mut self, scene: &Scene<'_>, spared: &[bool]) -> bool {
-        let before = self.goals.len();
-        let Scene { mesh, frame, analysis, .. } = *scene;
-        for found in &self.found.edge_face {
-            let known = analysis
-                .intersections
-                .edge_face
-                .binary_search_by(|other| (other.edge, other.face).cmp(&(found.edge, found.face)))
-                .is_ok();
-            let (ends, corners) = (mesh.edge(found.edge), mesh.face(found.face));
-            let is_spared = |vertices: &[crate::mesh::VertexId]| vertices.iter().any(|vertex| spared[vertex.index()]);
-            if known || (is_spared(&ends) && is_spared(&corners)) {
-                continue;
-            }
-            let own = MaterialPoint {
-                vertices: [ends[0], ends[1], ends[1]],
-                weights: [1.0 - found.edge_parameter, found.edge_parameter, 0.0],
-            };
-            let partner = MaterialPoint { vertices: corners, weights: found.barycentric };
-            let edge = (frame.position(ends[1]) - frame.position(ends[0])).norm();
-            self.goals.keep_apart(frame, &own, &partner, 0.3 * edge);
-        }
-        self.goals.len() > before
-    }
-
-    fn measure_strain(&mut self, body: &Body<'_>, clusters: &Clusters, guard: &Guard) {
-        self.strains.clear();
-        self.strains.resize(clusters.len() + 1, 0.0);
-        for &vertex in body.domain.vertices() {
-            let strain = &mut self.strains[clusters.of(vertex).unwrap_or(clusters.len())];
-            for &edge in body.mesh.vertex_edges(vertex) {
-                *strain = strain.max(guard.stretch(body.mesh, &self.positions, edge).ln().abs());
+        self.set_frame(&best.positions)?;
+        let blocked = blocked_paths(self.mesh, self.analyser.last(), reason);
+        if blocked.is_empty() && !self.history.is_empty() {
+            for _ in 0..SETTLINGS {
+                if interrupted || !self.settle()? {
+                    break;
+                }
+                interrupted = self.report(Method::Settle, progress).is_break();
             }
         }
+        let positions = self.frame.positions().iter().map(|point| (*point).into()).collect();
+        Ok(Relaxation { positions, history: self.history, blocked, interrupted })
     }
 
-    fn detect(&mut self, mesh: &Mesh, clusters: &Clusters) {
-        self.usable = self.frame.set(mesh, self.positions.iter().map(|p| [p.x, p.y, p.z])).is_ok();
-        if self.usable {
-            self.intersector.intersect(mesh, &self.frame, &mut self.found);
-            measure(mesh, &self.frame, &self.found, clusters, &mut self.tangles);
+    /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
+    fn follow(
+        &mut self,
+        plan: Plan,
+        best: &mut Best,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<End, RelaxError> {
+        let mut own_best = f64::INFINITY;
+        let mut impatience = 0;
+        let mut widen = false;
+        for iteration in 0.. {
+            let analysis = self.analyser.last();
+            self.clusters.find(self.mesh, analysis, 2 * RINGS);
+            measure(self.mesh, &self.frame, &analysis.intersections, &self.clusters, &mut self.now);
+            let merit = total(&self.now).merit();
+            if merit < best.merit {
+                *best = Best { merit, positions: self.frame.positions().to_vec() };
+            }
+            if analysis.intersections.edge_face.is_empty() {
+                return Ok(End::Clean);
+            }
+            impatience = if merit < own_best { 0 } else { impatience + 1 };
+            own_best = own_best.min(merit);
+            if self.history.len() >= self.settings.max_iterations {
+                return Ok(End::Exhausted);
+            }
+            if impatience > PATIENCE {
+                break;
+            }
+            let tries = tries(plan.aim, self.settings.quality, widen || impatience > 0);
+            let memory = if iteration == 0 { 0.0 } else { MEMORY };
+            let (method, stuck) = self.iterate(&tries, memory, impatience > 0)?;
+            widen = stuck;
+            if self.report(method, progress).is_break() {
+                return Ok(End::Interrupted);
+            }
+        }
+        Ok(End::Stuck)
+    }
+
+    fn analyse(&mut self) {
+        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+    }
+
+    pub(super) fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
+        self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
+        self.analyse();
+        Ok(())
+    }
+
+    /// Notes the state after an iteration.
+    fn report(&mut self, method: Method, progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> ControlFlow<()> {
+        let analysis = self.analyser.last();
+        let iteration = Iteration {
+            num_edge_face_intersections: analysis.intersections.edge_face.len(),
+            path_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
+            method,
+        };
+        self.history.push(iteration);
+        progress(&iteration)
+    }
+
+    /// Makes the motions of one iteration and takes the best of them, cluster by cluster. Returns the method that helped most, and
+    /// whether some cluster was left as it was.
+    fn iterate(&mut self, tries: &[Try], memory: f64, must_change: bool) -> Result<(Method, bool), RelaxError> {
+        let Self { mesh, frame, clusters, domain, candidates, now, .. } = self;
+        let analysis = self.analyser.last();
+        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
+        let scene = Scene { mesh, frame, analysis, found, orientation: &self.orientation };
+        candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
+        let candidates = &mut candidates[..tries.len()];
+        for (candidate, attempt) in candidates.iter_mut().zip(tries) {
+            candidate.goals.collect(&scene, attempt.aim);
+        }
+        domain.grow(mesh, candidates.iter().flat_map(|candidate| candidate.goals.vertices()), RINGS);
+        spare(mesh, analysis, &mut self.spared);
+        self.edge_length_m = edge_length_m(mesh, frame, analysis);
+        let trial = Trial {
+            scene,
+            body: Body { mesh, frame, shape: &self.shape, domain, memory },
+            clusters,
+            guard: &self.guard,
+            spared: &self.spared,
+            now,
+            edge_length_m: self.edge_length_m,
+            single_precision: self.settings.single_precision,
+        };
+        candidates.par_iter_mut().zip(tries).for_each(|(candidate, attempt)| candidate.attempt(&trial, *attempt));
+        let choice: Vec<Option<usize>> =
+            (0..=clusters.len()).map(|cluster| choose(candidates, now, cluster, must_change)).collect();
+        let stuck = choice.iter().zip(now.iter()).any(|(choice, now)| choice.is_none() && !now.is_none());
+        let mut positions = frame.positions().to_vec();
+        for &vertex in domain.vertices() {
+            if let Some(index) = choice[clusters.of(vertex).unwrap_or(clusters.len())] {
+                positions[vertex.index()] = candidates[index].best.positions[vertex.index()];
+            }
+        }
+        let mut gains = [0.0; 3];
+        for (cluster, index) in choice.iter().enumerate() {
+            if let Some(index) = *index {
+                let aim = tries[index].aim as usize;
+                gains[aim] += now[cluster].merit() - candidates[index].best.tangles[cluster].merit();
+            }
+        }
+        self.set_frame(&positions)?;
+        for index in choice.iter().flatten().copied().collect::<std::collections::BTreeSet<_>>() {
+            self.parted.hold(&self.candidates[index].goals, &self.frame);
+        }
+        let most = (1..3).fold(0, |best, aim| if gains[aim] > gains[best] { aim } else { best });
+        Ok(([Method::Push, Method::Rbf, Method::Contour][most], stuck))
+    }
+}
+
+/// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
+/// none is better than staying, unless something must change.
+fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change: bool) -> Option<usize> {
+    let must_change = must_change && !now[cluster].is_none();
+    let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
+        let strain = candidate.best.strains[cluster];
+        let merit = candidate.best.tangles[cluster].merit() * (1.0 + (strain - LARGE_STRAIN).max(0.0));
+        let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
+        if merit < best.0 || (merit <= best.0 && calmer) {
+            best = (merit, strain, Some(index));
         }
     }
+    best.2
+}
+
+/// Marks where the sheets are to pass through each other: along the paths and inside of them.
+fn spare(mesh: &Mesh, analysis: &Analysis, spared: &mut Vec<bool>) {
+    spared.clear();
+    spared.resize(mesh.num_vertices(), false);
+    for segment in &analysis.intersections.segments {
+        for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
+            spared[vertex.index()] = true;
+        }
+    }
+    for vertex in &analysis.regions.vertices {
+        spared[vertex.index()] = true;
+    }
+}
+
+/// Mean edge length of the faces that intersect, in metres.
+fn edge_length_m(mesh: &Mesh, frame: &Frame, analysis: &Analysis) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for segment in &analysis.paths.segments {
+        let [a, b, c] = mesh.face(segment.own).map(|vertex| frame.position(vertex));
+        sum += (b - a).norm() + (c - b).norm() + (a - c).norm();
+        count += 3.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+fn blocked_paths(mesh: &Mesh, analysis: &Analysis, reason: &str) -> Vec<BlockedPath> {
+    let pairs = analysis.paths.pairs.iter();
+    pairs
+        .map(|pair| {
+            let first = &analysis.paths.copies[pair.copies.start];
+            let face = analysis.paths.segments[first.segments.start].own;
+            let vertex = mesh.face(face)[0].0;
+            BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
+        })
+        .collect()
 }

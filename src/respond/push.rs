@@ -74,10 +74,11 @@ impl PartialOrd for Candidate {
 
 impl BoundaryPush {
     /// Writes for each segment the displacement of one step, in metres, towards the boundary of the sheet `over`: the mean over the path,
-    /// taken in a chart, so that it follows a sheet that bends. Zeros where no boundary is near or the directions cancel; false then.
+    /// taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in metres; nothing, and zeros,
+    /// where no boundary is near or the directions cancel.
     ///
     /// Cost: O(n log n) in the faces within a path length of the path.
-    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, over: Over, steps: &mut Vec<Vector3<f64>>) -> bool {
+    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, over: Over, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
         let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
         steps.clear();
         steps.resize(segments.len(), Vector3::zeros());
@@ -85,9 +86,7 @@ impl BoundaryPush {
         let face_of = |segment: &PathSegment| if over == Over::Own { segment.own } else { segment.partner };
         self.chart.patch_mut().start(mesh, segments.iter().map(face_of));
         self.chart.patch_mut().grow(mesh, 1, usize::MAX);
-        if self.chart.build(mesh, frame).is_none() {
-            return false;
-        }
+        self.chart.build(mesh, frame)?;
         // The path itself ends on a boundary, so none that counts is farther than its length.
         #[expect(
             clippy::cast_possible_truncation,
@@ -98,9 +97,9 @@ impl BoundaryPush {
         self.patch.start(mesh, segments.iter().map(face_of));
         self.patch.grow(mesh, rings, usize::MAX);
         if !self.march(mesh, frame) {
-            return false;
+            return None;
         }
-        let (mut mean, mut magnitude) = (Vector2::zeros(), 0.0);
+        let (mut mean, mut magnitude, mut depth) = (Vector2::zeros(), 0.0, 0.0);
         for (index, segment) in segments.iter().enumerate() {
             let (start, end) = (&points[index], &points[index + 1]);
             let places = if over == Over::Own { [&start.own, &end.own] } else { [&start.partner, &end.partner] };
@@ -108,19 +107,21 @@ impl BoundaryPush {
             let slope = MaterialPoint::middle(mesh, face, places).and_then(|at| self.slope(mesh, frame, face, &at));
             let Some((distance, downhill)) = slope else { continue };
             let Some(downhill) = self.chart.to_chart(mesh, frame, face, downhill) else { continue };
-            let step = law.step(distance) * (end.position - start.position).norm() / length;
+            let part = (end.position - start.position).norm() / length;
+            let step = law.step(distance) * part;
+            depth += distance * part;
             mean += downhill * step;
             magnitude += step;
         }
         if mean.norm() <= CANCELLED * magnitude {
-            return false;
+            return None;
         }
         for (step, segment) in steps.iter_mut().zip(segments) {
             if let Some(direction) = self.chart.to_world(mesh, frame, face_of(segment), mean) {
                 *step = direction * mean.norm();
             }
         }
-        true
+        Some(depth)
     }
 
     /// Distance to the boundary at a point of a face and the unit direction in which it shrinks fastest.

@@ -33,6 +33,8 @@ pub struct Responder {
     forces: Forces,
     push: BoundaryPush,
     steps: [Vec<Vector3<f64>>; 2],
+    /// Paths with targets that are pushed over a boundary instead.
+    pushed: Vec<usize>,
     displacements: Displacements,
     front: Vec<VertexId>,
 }
@@ -61,15 +63,24 @@ impl Responder {
         let scene = Scene { mesh, frame, analysis, settings };
         observer.begin(Stage::Correspond);
         let found = match settings.response {
-            Response::Rbf | Response::Displacement => self.correspondent.find(mesh, frame, analysis, settings),
+            Response::Rbf | Response::Displacement | Response::Coupled => {
+                self.correspondent.find(mesh, frame, analysis, settings)
+            }
             Response::Contour | Response::Mask => self.correspondent.clear(),
         };
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
-        if settings.response != Response::Mask && !analysis.paths.copies.is_empty() {
+        if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
             self.forces.start(num_vertices);
             self.displacements.start(num_vertices);
-            for path in &found.paths {
+            self.pushed.clear();
+            for path in found.paths.iter().filter(|path| path.round && settings.response == Response::Rbf) {
+                let partner = analysis.paths.copies[path.copy].partner;
+                if path.copy < partner && push(&scene, path.copy, &mut self.push, &mut self.steps, &mut self.forces) {
+                    self.pushed.extend([path.copy, partner]);
+                }
+            }
+            for path in found.paths.iter().filter(|path| !self.pushed.contains(&path.copy)) {
                 if settings.response == Response::Displacement {
                     let offset_m = law(settings, path.edge_length_m).offset_m;
                     let two_sided = has_correspondence(found, analysis.paths.copies[path.copy].partner);
@@ -79,7 +90,8 @@ impl Responder {
                 }
             }
             for copy in unanswered(analysis, found) {
-                if settings.response != Response::Contour {
+                let is_bi = analysis.paths.copies[copy].path_type == PathType::BoundaryInside;
+                if settings.response != Response::Contour && is_bi {
                     push(&scene, copy, &mut self.push, &mut self.steps, &mut self.forces);
                 }
                 // Also beside the push: on the few BI scenes tried, shortening alone never resolved, and both were somewhat faster
@@ -91,6 +103,19 @@ impl Responder {
         }
         observer.end();
         &self.corrections
+    }
+
+    /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these corrections.
+    pub(crate) fn displace<'a>(
+        &'a mut self,
+        mesh: &'a Mesh,
+    ) -> (&'a Correspondences, impl FnMut(VertexId, Vector3<f64>)) {
+        let Self { corrections, correspondent, .. } = self;
+        let add = move |vertex: VertexId, displacement: Vector3<f64>| {
+            corrections.forces[vertex.index()] += displacement * mass_kg(mesh, vertex);
+            corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
+        };
+        (correspondent.found(), add)
     }
 
     /// The last corrections.
@@ -157,28 +182,31 @@ fn follow_targets(scene: &Scene<'_>, found: &Correspondences, path: &PathCorresp
     }
 }
 
-/// Pushes a BI path and its partner over the nearest boundaries; nothing where there is no telling which way.
+/// Pushes a BI path and its partner over the nearest boundaries, or a pair of paths round tubes over the nearest hem: to slip one tube
+/// out of the other takes no strain, to turn it inside out does. False where there is no telling which way.
 fn push(
     scene: &Scene<'_>,
     copy: usize,
     push: &mut BoundaryPush,
     steps: &mut [Vec<Vector3<f64>>; 2],
     forces: &mut Forces,
-) {
+) -> bool {
     let Scene { mesh, frame, analysis, settings } = *scene;
     let path = &analysis.paths.copies[copy];
-    if path.path_type != PathType::BoundaryInside {
-        return;
-    }
+    let round = path.closed;
     let points = &analysis.paths.points[path.points.clone()];
     let segments = &analysis.paths.segments[path.segments.clone()];
-    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
+    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return false };
     let law = law(settings, edge_length_m);
     let path = PushedPath { mesh, frame, points, segments, law, edge_length_m };
     let over_partner = push.steps(&path, Over::Partner, &mut steps[0]);
     let over_own = push.steps(&path, Over::Own, &mut steps[1]);
-    if !over_partner && !over_own {
-        return;
+    if over_partner.is_none() && over_own.is_none() {
+        return false;
+    }
+    if round && let (Some(partner), Some(own)) = (over_partner, over_own) {
+        // Two tubes slip along each other: a push over the hem of each would be one to and one fro.
+        steps[usize::from(partner <= own)].fill(Vector3::zeros());
     }
     for (index, segment) in segments.iter().enumerate() {
         let (start, end) = (&points[index], &points[index + 1]);
@@ -190,6 +218,7 @@ fn push(
             forces.add_pair(&own, &partner, step * mass_at(mesh, &own), law.largest_m);
         }
     }
+    true
 }
 
 /// Contour minimisation for a path and its partner.

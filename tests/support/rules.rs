@@ -11,13 +11,20 @@ use untangled::{
     paths::{PathCopy, PathType, SurfacePoint},
 };
 
-/// Checks all rules for one analysis; `size` is the extent of the cloth in metres.
+/// Checks all rules for the analysis of a sheet without holes; `size` is the extent of the cloth in metres.
 pub(crate) fn check(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
+    check_paths(mesh, frame, analysis, size);
+    regions_are_bounded_by_their_paths(mesh, analysis);
+}
+
+/// Checks the rules that hold for any mesh whatsoever.
+pub(crate) fn check_paths(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
     segments(mesh, analysis);
     every_segment_lies_on_one_path(analysis);
     points_touch_both_sheets(mesh, frame, analysis, 1e-9 * size);
     copies_correspond(analysis);
-    regions_are_bounded_by_their_paths(mesh, analysis);
+    copies_correspond_point_by_point(analysis);
+    regions_hold_no_loop_vertex(analysis);
 }
 
 /// Faces without a common vertex meet in 0 or 2 edge-face intersections, with one in 0 or 1 (and the segment ends in that vertex), with two
@@ -115,7 +122,50 @@ fn copies_correspond(analysis: &Analysis) {
             copy.path_type,
             PathType::LoopLoop | PathType::BoundaryLoopInside | PathType::BoundaryLoopBoundary
         );
-        assert_eq!(copy.partner == at, is_own);
+        // A closed path on cloth with one side only may come back on the other sheet.
+        let may_be_own = copy.path_type == PathType::Closed;
+        assert!(copy.partner == at || !is_own, "copy {at} ({:?}) has another partner", copy.path_type);
+        assert!(copy.partner != at || is_own || may_be_own, "copy {at} is its own partner");
+    }
+}
+
+/// A path and its corresponding path run through the same places of the world at the same arclengths, each where the other says.
+fn copies_correspond_point_by_point(analysis: &Analysis) {
+    let paths = &analysis.paths;
+    for (at, copy) in paths.copies.iter().enumerate() {
+        let (points, lengths) = (&paths.points[copy.points.clone()], paths.arclengths_m(copy).collect::<Vec<_>>());
+        assert_eq!(lengths.len(), points.len());
+        assert!(lengths.is_sorted() && lengths[0].abs() <= 0.0);
+        let other = &paths.copies[copy.partner];
+        let other_points = &paths.points[other.points.clone()];
+        if copy.partner != at {
+            let there = points.iter().map(|point| (point.position, point.own, point.partner));
+            let here = other_points.iter().map(|point| (point.position, point.partner, point.own));
+            assert!(there.eq(here), "copies {at} and {} differ", copy.partner);
+            assert_eq!(lengths, paths.arclengths_m(other).collect::<Vec<_>>());
+        } else if copy.path_type != PathType::Closed {
+            // Folded: the way back is the way there.
+            let there = points.iter().map(|point| (point.position, point.own, point.partner));
+            let back = points.iter().rev().map(|point| (point.position, point.partner, point.own));
+            assert!(there.eq(back), "copy {at} does not fold back onto itself");
+        }
+    }
+}
+
+fn regions_hold_no_loop_vertex(analysis: &Analysis) {
+    let Analysis { paths, regions, .. } = analysis;
+    assert_eq!(regions.by_copy.len(), paths.copies.len());
+    for (at, copy) in paths.copies.iter().enumerate() {
+        let inside = regions.vertices_of(at);
+        assert!(inside.windows(2).all(|pair| pair[0] < pair[1]), "sorted, each once");
+        for point in &paths.points[copy.points.clone()] {
+            if let SurfacePoint::Vertex(vertex) = point.own {
+                assert!(inside.binary_search(&vertex).is_err(), "copy {at} has {vertex:?} inside");
+            }
+        }
+        let has_region = !matches!(copy.path_type, PathType::BoundaryInside | PathType::InsideInside);
+        assert_eq!(regions.by_copy[at].is_some(), has_region);
+        assert!(inside.is_empty() || regions.by_copy[at].as_ref().is_some_and(|region| region.partitioning));
     }
 }
 
@@ -138,19 +188,14 @@ fn crossings(paths: &untangled::paths::IntersectionPaths, copy: &PathCopy) -> BT
 fn regions_are_bounded_by_their_paths(mesh: &Mesh, analysis: &Analysis) {
     let Analysis { paths, regions, .. } = analysis;
     for (at, copy) in paths.copies.iter().enumerate() {
-        let has_region = !matches!(copy.path_type, PathType::BoundaryInside | PathType::InsideInside);
-        let region = regions.by_copy[at].as_ref();
-        assert_eq!(region.is_some(), has_region);
-        let Some(region) = region else { continue };
+        let Some(region) = regions.by_copy[at].as_ref() else { continue };
         assert!(region.partitioning, "copy {at} ({:?}) does not separate", copy.path_type);
         let inside: BTreeSet<VertexId> = regions.vertices_of(at).iter().copied().collect();
-        assert!(regions.vertices_of(at).is_sorted());
         let points = &paths.points[copy.points.clone()];
         let at_loop: BTreeSet<VertexId> = points
             .iter()
             .filter_map(|point| if let SurfacePoint::Vertex(vertex) = point.own { Some(vertex) } else { None })
             .collect();
-        assert!(inside.is_disjoint(&at_loop));
         if matches!(copy.path_type, PathType::BoundaryLoopInside | PathType::BoundaryLoopBoundary) {
             continue;
         }

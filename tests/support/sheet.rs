@@ -25,6 +25,13 @@ impl Sheet {
         Mesh::new(description).unwrap()
     }
 
+    /// The mesh without texture coordinates: discs are measured by the lengths of its edges.
+    pub(crate) fn bare_mesh(&self) -> Mesh {
+        let description =
+            MeshDescription { num_vertices: self.uvs.len(), faces: self.faces.clone(), ..Default::default() };
+        Mesh::new(description).unwrap()
+    }
+
     pub(crate) fn frame(&self, mesh: &Mesh) -> Frame {
         Frame::new(mesh, &self.positions).unwrap()
     }
@@ -94,6 +101,7 @@ fn displaced([u, v]: [f64; 2], waves: &[Wave], amplitude: f64) -> [f64; 3] {
 }
 
 /// The same sheet under other names.
+#[derive(Clone)]
 pub(crate) struct Relabelled {
     pub(crate) sheet: Sheet,
     /// New name of each old vertex.
@@ -102,15 +110,45 @@ pub(crate) struct Relabelled {
     pub(crate) face: Vec<u32>,
 }
 
+impl Relabelled {
+    /// Old names of vertices and faces.
+    pub(crate) fn old_names(&self) -> [Vec<u32>; 2] {
+        [&self.vertex, &self.face].map(|names| {
+            let mut old = vec![0; names.len()];
+            for (name, &new) in (0..).zip(names) {
+                old[new as usize] = name;
+            }
+            old
+        })
+    }
+}
+
 /// Permutes vertices and faces, rotates corners, and turns all faces over if asked to.
 pub(crate) fn relabelled(sheet: &Sheet, seed: u64, turn_over: bool) -> Relabelled {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut permutation = |count: usize| {
-        let mut names: Vec<u32> = (0..u32::try_from(count).unwrap()).collect();
-        names.shuffle(&mut rng);
-        names
-    };
-    let (vertex, face) = (permutation(sheet.positions.len()), permutation(sheet.faces.len()));
+    let vertex = permutation(sheet.positions.len(), &mut rng);
+    with_names(sheet, vertex, &mut rng, |_| turn_over)
+}
+
+/// Permutes faces, rotates corners, and turns about every second face over; vertices keep their names.
+pub(crate) fn reordered(sheet: &Sheet, seed: u64) -> Relabelled {
+    let vertex = (0..u32::try_from(sheet.positions.len()).unwrap()).collect();
+    with_names(sheet, vertex, &mut ChaCha8Rng::seed_from_u64(seed), |rng| rng.random())
+}
+
+fn permutation(count: usize, rng: &mut ChaCha8Rng) -> Vec<u32> {
+    let mut names: Vec<u32> = (0..u32::try_from(count).unwrap()).collect();
+    names.shuffle(rng);
+    names
+}
+
+fn with_names(
+    sheet: &Sheet,
+    vertex: Vec<u32>,
+    rng: &mut ChaCha8Rng,
+    turn_over: impl Fn(&mut ChaCha8Rng) -> bool,
+) -> Relabelled {
+    let face = permutation(sheet.faces.len(), rng);
     let mut other = sheet.clone();
     for (old, &new) in vertex.iter().enumerate() {
         other.positions[new as usize] = sheet.positions[old];
@@ -119,7 +157,7 @@ pub(crate) fn relabelled(sheet: &Sheet, seed: u64, turn_over: bool) -> Relabelle
     for (old, &new) in face.iter().enumerate() {
         let mut corners = sheet.faces[old].map(|corner| vertex[corner as usize]);
         corners.rotate_left(rng.random_range(0..3));
-        if turn_over {
+        if turn_over(rng) {
             corners.swap(1, 2);
         }
         other.faces[new as usize] = corners;

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::{
     analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of, paths_as_text},
+    cli::input::{Counted, count_path_pairs, name_of},
     mesh::Mesh,
     paths::{ChainEnd, PairType, PathType},
 };
@@ -21,9 +21,8 @@ use crate::{
 pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
-    /// Files, as they were named.
-    #[serde(serialize_with = "paths_as_text")]
-    pub files: Vec<PathBuf>,
+    /// Files, as they were named; bytes that are no UTF-8 replaced.
+    pub files: Vec<String>,
     /// Vertices of all files, unused ones included.
     pub num_vertices: usize,
     /// Triangles.
@@ -136,7 +135,7 @@ impl Report {
         let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
         Self {
             schema: "untangled.check/1",
-            files: files.to_vec(),
+            files: files.iter().map(|path| path.display().to_string()).collect(),
             num_vertices: mesh.num_vertices(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
@@ -166,8 +165,7 @@ impl Report {
 impl Display for Report {
     /// The table for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let names: Vec<String> = self.files.iter().map(|path| path.display().to_string()).collect();
-        writeln!(f, "{}", names.join(", "))?;
+        writeln!(f, "{}", self.files.join(", "))?;
         write!(f, "  {} vertices, ", self.num_vertices)?;
         for (count, noun) in [(self.num_faces, "face"), (self.num_pieces, "piece")] {
             write!(f, "{}, ", Counted(count, noun))?;

@@ -48,7 +48,7 @@ fn errors_name_the_file_and_the_element() {
     let (folder, mut files) = crossing();
     fs::write(&files[1], "v 0 0 0\nv 1 1e200 0\nv 2 0 1\nf 1 2 3\n").unwrap();
     let message = check(&files, false).unwrap_err().to_string();
-    assert!(message.contains("b.obj: vertex 1 has coordinate y"), "{message}");
+    assert!(message.contains("b.obj:2: vertex 2 has coordinate y"), "{message}");
     files.truncate(1);
     let contours = |name: &str| contours_format(&folder.path().join(name), &files);
     assert!(matches!(contours("a.obj"), Err(CheckError::ContoursOverInput(_))));

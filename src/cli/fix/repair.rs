@@ -85,9 +85,8 @@ impl Repair<'_> {
             staged.push(file);
         }
         let mut world = input::join(&names, &meshes).map_err(FixError::ReadBack)?;
-        drop(meshes);
         world.description.pins = self.pins.to_vec();
-        let input = Input::new(&names, world).map_err(FixError::ReadBack)?;
+        let input = Input::new(&meshes, world).map_err(FixError::ReadBack)?;
         let analysis = analyse(&input.mesh, &input.frame);
         Ok(Written { staged, counts: Counts::new(&analysis), analysis, input })
     }

@@ -1,5 +1,3 @@
-#![expect(clippy::float_cmp, reason = "coordinates must come back as the same bits")]
-
 use super::*;
 use crate::io::{MeshFile, Output, read_mesh};
 

@@ -152,11 +152,12 @@ fn bounds_edits(place: &Place, buffer: &[u8], spans: &Spans) -> Vec<Edit> {
     let Bytes { start, stride, count, .. } = place.bytes;
     let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for element in 0..count {
-        for axis in 0..3 {
+        let [low, high] = &mut bounds;
+        for (axis, (low, high)) in low.iter_mut().zip(high).enumerate() {
             let at = start + element * stride + 4 * axis;
             let value = f32::from_le_bytes([buffer[at], buffer[at + 1], buffer[at + 2], buffer[at + 3]]);
-            bounds[0][axis] = bounds[0][axis].min(value);
-            bounds[1][axis] = bounds[1][axis].max(value);
+            *low = low.min(value);
+            *high = high.max(value);
         }
     }
     let spans = spans.bounds[place.accessor].iter().cloned();

@@ -22,6 +22,11 @@ impl ObjDocument {
     pub(in crate::io) fn write(&self, before: &[[f64; 3]], after: &[[f64; 3]], out: &mut dyn Write) -> io::Result<()> {
         text::write_replaced(&self.source, &self.coordinate_offsets, before, after, out)
     }
+
+    /// The line in which a vertex stands, from 1.
+    pub(in crate::io) fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        Some(text::line_of(&self.source, self.coordinate_offsets.get(vertex)?[0]))
+    }
 }
 
 /// Parses a whole file. An error comes with its line.

@@ -21,6 +21,14 @@ pub(in crate::io) struct PlyDocument {
     pub(super) coordinate_offsets: Vec<[usize; 3]>,
 }
 
+impl PlyDocument {
+    /// The line in which a vertex stands, from 1, if the file is text.
+    pub(in crate::io) fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
+        let offset = self.coordinate_offsets.get(vertex)?[0];
+        (self.encoding == Encoding::Ascii).then(|| text::line_of(&self.source, offset))
+    }
+}
+
 type Located<T> = Result<T, (Option<usize>, ReadErrorKind)>;
 
 /// Parses a whole file. An error comes with its line, if the file is text.
@@ -29,7 +37,7 @@ pub(in crate::io) fn parse(source: Vec<u8>) -> Located<(Parsed, PlyDocument)> {
     let mut body = Body { source: &source, start: header.body, at: header.body, encoding: header.encoding };
     let mut reader = Reader { types: [Scalar::F64; 3], ..Reader::default() };
     reader.elements(&header, &mut body).map_err(|kind| (body.line(), kind))?;
-    let parsed = reader.finish().map_err(|kind| (None, kind))?;
+    let parsed = reader.finish();
     let (types, coordinate_offsets) = (reader.types, reader.coordinate_offsets);
     Ok((parsed, PlyDocument { encoding: header.encoding, types, coordinate_offsets, source }))
 }
@@ -123,6 +131,8 @@ struct Reader {
 
 impl Reader {
     fn elements(&mut self, header: &Header, body: &mut Body<'_>) -> Result<(), ReadErrorKind> {
+        let vertices = header.elements.iter().filter(|element| element.name == b"vertex");
+        let num_vertices = vertices.fold(0usize, |sum, element| sum.saturating_add(element.count));
         for element in &header.elements {
             let name = String::from_utf8_lossy(&element.name);
             if element.properties.is_empty() && element.count > 0 {
@@ -130,7 +140,7 @@ impl Reader {
             }
             match element.name.as_slice() {
                 b"vertex" => self.vertices(element, body)?,
-                b"face" => self.faces(element, body)?,
+                b"face" => self.faces(element, num_vertices, body)?,
                 _ => {
                     for entry in 0..element.count {
                         for property in &element.properties {
@@ -186,7 +196,8 @@ impl Reader {
         Ok(())
     }
 
-    fn faces(&mut self, element: &Element, body: &mut Body<'_>) -> Result<(), ReadErrorKind> {
+    /// `defined` is the number of vertices that the header promises, before the faces or after them.
+    fn faces(&mut self, element: &Element, defined: usize, body: &mut Body<'_>) -> Result<(), ReadErrorKind> {
         let is = |property: &Property, names: &[&[u8]]| property.count.is_some() && names.contains(&&*property.name);
         let corners_at =
             element.properties.iter().position(|property| is(property, &[b"vertex_indices", b"vertex_index"]));
@@ -211,6 +222,10 @@ impl Reader {
             for (k, &corner) in corners.iter().enumerate() {
                 let vertex = whole_number(corner)
                     .ok_or_else(|| ReadErrorKind::NotAnIndex { element: name(), text: corner.to_string() })?;
+                if vertex as usize >= defined {
+                    let index = vertex.into();
+                    return Err(ReadErrorKind::OutOfRange { element: name(), what: "vertex", index, defined });
+                }
                 let mut uv = NO_UV;
                 if has_uvs {
                     uv = u32::try_from(self.face_uvs.len()).unwrap_or(NO_UV);
@@ -223,25 +238,18 @@ impl Reader {
         Ok(())
     }
 
-    /// Checks what could only be known at the end, and chooses the texture coordinates.
-    fn finish(&mut self) -> Result<Parsed, ReadErrorKind> {
-        let defined = self.positions.len();
-        for face in 0..self.polygons.len() {
-            if let Some(&corner) = self.polygons.corners(face).iter().find(|&&corner| corner as usize >= defined) {
-                let (element, index) = (format!("face {face}"), corner.into());
-                return Err(ReadErrorKind::OutOfRange { element, what: "vertex", index, defined });
-            }
-        }
+    /// Chooses the texture coordinates.
+    fn finish(&mut self) -> Parsed {
         let mut uv_coordinates = std::mem::take(&mut self.face_uvs);
         if uv_coordinates.is_empty() && !self.vertex_uvs.is_empty() {
             self.polygons.use_vertices_as_uvs();
             uv_coordinates = std::mem::take(&mut self.vertex_uvs);
         }
-        Ok(Parsed {
+        Parsed {
             positions: std::mem::take(&mut self.positions),
             uv_coordinates,
             polygons: std::mem::take(&mut self.polygons),
-        })
+        }
     }
 }
 

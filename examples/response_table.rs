@@ -1,0 +1,247 @@
+//! What corrections do in a simulator that has self-contact of its own: scene by scene, method by method, with controls.
+//!
+//! ```sh
+//! cargo run --release --example response_table -- [--steps N] [--seeds N] [--edge METRES] [--markdown] [FILE...]
+//! cargo run --release --example response_table -- --markdown > docs/RESPONSE.md
+//! ```
+//!
+//! The host is the simulator of `clients/publisher`, whose contact defends whatever side a vertex is on; the judge is its exact check, which
+//! shares no code with the untangler. Files (OBJ) are run with the shape of the file as rest shape, without gravity.
+#![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
+
+use std::{
+    env,
+    error::Error,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use untangled::{
+    frame::Frame,
+    mesh::{Mesh, MeshDescription, Uvs},
+    respond::VertexFlags,
+    settings::{Response, Settings},
+    untangler::Untangler,
+};
+use untangled_publisher::{
+    check::count_edge_face,
+    mesh::{Cloth, Vec3},
+    obj,
+    scenes::Scene,
+    solver::{Help, Parameters, Solver},
+};
+
+const DT_S: f64 = 1.0 / 60.0;
+/// A scene is held when it stays clean for so many steps.
+const HELD: usize = 5;
+const SCENES: [(&str, &str); 7] = [
+    ("bag", "CLOSED"),
+    ("tongue", "BB/II"),
+    ("curtains", "BI/BI"),
+    ("crease", "LL"),
+    ("twist", "BLI"),
+    ("drop", "EIGHT"),
+    ("wedge", "CROSS"),
+];
+
+/// What of the corrections a host uses.
+#[derive(Clone, Copy)]
+struct Method {
+    name: &'static str,
+    response: Response,
+    values: bool,
+    mask: bool,
+}
+
+const METHODS: [Method; 6] = [
+    Method { name: "no response", response: Response::Mask, values: false, mask: false },
+    Method { name: "mask only", response: Response::Mask, values: false, mask: true },
+    Method { name: "force without mask", response: Response::Rbf, values: true, mask: false },
+    Method { name: "force + mask (rbf)", response: Response::Rbf, values: true, mask: true },
+    Method { name: "contour + mask", response: Response::Contour, values: true, mask: true },
+    Method { name: "displacement + mask", response: Response::Displacement, values: true, mask: true },
+];
+
+/// How one run ended.
+struct Run {
+    before: usize,
+    /// Steps to the first clean state.
+    steps: Option<usize>,
+    held: bool,
+    after: usize,
+    /// The edge ratio to rest farthest from 1.
+    stretch: f64,
+    /// Of analysis and response, all steps that were not clean.
+    untangler: Duration,
+    busy_steps: usize,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut most, mut seeds, mut edge_m, mut markdown) = (200, 1, 0.025, false);
+    let mut files = Vec::new();
+    let mut arguments = env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--steps" => most = value()?.parse()?,
+            "--seeds" => seeds = value()?.parse()?,
+            "--edge" => edge_m = value()?.parse()?,
+            "--markdown" => markdown = true,
+            _ => files.push(argument),
+        }
+    }
+    print_head(markdown, most, edge_m);
+    if files.is_empty() {
+        for (name, path_type) in SCENES {
+            let scene: Scene = name.parse()?;
+            for seed in 1..=seeds {
+                let label =
+                    format!("{name} ({path_type})") + &if seeds > 1 { format!(" #{seed}") } else { String::new() };
+                for method in METHODS {
+                    print_row(&label, method.name, &run(scene.build(seed, edge_m), 9.81, method, most)?, markdown);
+                }
+            }
+        }
+    }
+    for file in files {
+        let label =
+            Path::new(&file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
+        for method in METHODS {
+            match obj::read(Path::new(&file)).map_err(Box::from).and_then(|cloth| run(cloth, 0.0, method, most)) {
+                Ok(run) => print_row(&label, method.name, &run, markdown),
+                Err(error) => println!("{label}: {error}"),
+            }
+        }
+    }
+    Ok(())
+}
+
+fn print_head(markdown: bool, most: usize, edge_m: f64) {
+    if !markdown {
+        println!(
+            "{:<26} {:<20} {:>6} {:>5} {:>5} {:>6} {:>8} {:>8}",
+            "scene", "method", "before", "steps", "held", "after", "stretch", "ms/step"
+        );
+        return;
+    }
+    println!("# What corrections do in a simulator with self-contact\n");
+    println!("Made by `cargo run --release --example response_table -- --markdown > docs/RESPONSE.md`; do not edit.\n");
+    println!(
+        "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. `before` and `after` are"
+    );
+    println!(
+        "edge-face hits by its exact check, which shares no code with the untangler; `steps` is the number of steps to the first clean state,"
+    );
+    println!(
+        "`held` whether the next {HELD} were clean too, `stretch` the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and"
+    );
+    println!(
+        "response of a tangled step, on one machine and to be compared within the table only. `coupled` is not part of a session yet.\n"
+    );
+    println!("| scene | method | before | steps | held | after | stretch | ms/step |");
+    println!("|---|---|---|---|---|---|---|---|");
+}
+
+fn print_row(scene: &str, method: &str, run: &Run, markdown: bool) {
+    let steps = run.steps.map_or("-".into(), |steps| steps.to_string());
+    let held = match (run.steps, run.held) {
+        (None, _) => "-",
+        (_, true) => "yes",
+        (_, false) => "no",
+    };
+    let ms = 1e3 * run.untangler.as_secs_f64() / f64::from(u32::try_from(run.busy_steps.max(1)).unwrap_or(u32::MAX));
+    let Run { before, after, stretch, .. } = run;
+    if markdown {
+        println!("| {scene} | {method} | {before} | {steps} | {held} | {after} | {stretch:.2} | {ms:.2} |");
+    } else {
+        println!("{scene:<26} {method:<20} {before:>6} {steps:>5} {held:>5} {after:>6} {stretch:>8.2} {ms:>8.2}");
+    }
+}
+
+/// The same parameters as the publisher's command line.
+fn solver(cloth: Cloth, gravity_m_s2: f64) -> Solver {
+    let parameters = Parameters {
+        gravity_m_s2: Vec3::new(0.0, 0.0, -gravity_m_s2),
+        density_kg_m2: 0.2,
+        stretch_n_m: 1e3,
+        bending_n_m: 1e-4,
+        drag_1_s: 8.0,
+        thickness_m: 0.2 * cloth.mean_edge_length_m(),
+        num_substeps: 8,
+    };
+    Solver::new(cloth, parameters)
+}
+
+fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<Run, Box<dyn Error>> {
+    let mut solver = solver(cloth, gravity_m_s2);
+    let cloth = solver.cloth();
+    let edges = cloth.edges();
+    let rest: Vec<f64> = edges.iter().map(|&edge| cloth.rest_length(edge)).collect();
+    let mesh = Mesh::new(MeshDescription {
+        num_vertices: cloth.positions.len(),
+        faces: cloth.triangles.clone(),
+        uvs: cloth.uvs.as_ref().map(|uvs| Uvs { coordinates: uvs.coordinates.clone(), corners: uvs.corners.clone() }),
+        rest_positions: Some(cloth.rest_positions.iter().map(|&position| position.into()).collect()),
+        masses_kg: Some(solver.masses_kg().to_vec()),
+        pins: cloth.pins.clone(),
+        ..MeshDescription::default()
+    })?;
+    let mesh = Arc::new(mesh);
+    let settings = Settings { response: method.response, ..Settings::default() };
+    let mut untangler = Untangler::new(mesh, settings)?;
+    let mut run =
+        Run { before: 0, steps: None, held: true, after: 0, stretch: 1.0, untangler: Duration::ZERO, busy_steps: 0 };
+    let (mut velocities, mut displacements, mut no_contact) = (Vec::new(), Vec::new(), Vec::new());
+    for step in 0..=most {
+        let points = solver.cloth().points();
+        run.after = count_edge_face(&points, &solver.cloth().triangles)?;
+        if step == 0 {
+            run.before = run.after;
+        }
+        match run.steps {
+            None if run.after == 0 => run.steps = Some(step),
+            Some(_) if run.after > 0 => run.held = false,
+            _ => {}
+        }
+        if step == most || run.steps.is_some_and(|first| step >= first + HELD) {
+            break;
+        }
+        let frame = Frame::new(untangler.mesh(), &points)?;
+        let begin = Instant::now();
+        let corrections = untangler.process(&frame, &mut ()).corrections;
+        if run.after > 0 {
+            run.untangler += begin.elapsed();
+            run.busy_steps += 1;
+        }
+        velocities.clear();
+        displacements.clear();
+        no_contact.clear();
+        if method.values {
+            // Forces are those of one step: divided by the mass, they are its displacement.
+            let steps = corrections.forces.iter().zip(solver.masses_kg()).map(|(force, mass)| force / *mass);
+            if method.response == Response::Displacement {
+                displacements.extend(steps);
+            } else {
+                velocities.extend(steps.map(|step| step / DT_S));
+            }
+        }
+        if method.mask {
+            let mask =
+                |flags: &VertexFlags| flags.contains(VertexFlags::INSIDE) || flags.contains(VertexFlags::NEAR_PATH);
+            no_contact.extend(corrections.flags.iter().map(mask));
+        }
+        solver.step(
+            DT_S,
+            Help { velocity_change_m_s: &velocities, displacement_m: &displacements, no_contact: &no_contact },
+        );
+    }
+    let positions = &solver.cloth().positions;
+    for (&[a, b], rest) in edges.iter().zip(rest) {
+        let ratio = (positions[a as usize] - positions[b as usize]).norm() / rest;
+        if ratio.ln().abs() > run.stretch.ln().abs() {
+            run.stretch = ratio;
+        }
+    }
+    Ok(run)
+}
