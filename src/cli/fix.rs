@@ -218,8 +218,8 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let Repaired { written, history, blocked } = repaired;
     let report = Report {
         schema: "untangled.fix/1",
-        files: args.files.clone(),
-        outputs: jobs.iter().map(|job| job.target.path.clone()).collect(),
+        files: args.files.iter().map(|path| path.display().to_string()).collect(),
+        outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: written.counts.is_clean(),
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),

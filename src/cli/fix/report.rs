@@ -3,7 +3,6 @@
 use std::{
     collections::BTreeMap,
     fmt::{self, Display, Formatter},
-    path::PathBuf,
 };
 
 use serde::Serialize;
@@ -11,7 +10,7 @@ use serde::Serialize;
 use super::distortion::Distortion;
 use crate::{
     analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of, paths_as_text},
+    cli::input::{Counted, count_path_pairs, name_of},
     paths::PairType,
     relax::{BlockedPath, Iteration},
 };
@@ -21,12 +20,10 @@ use crate::{
 pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
-    /// Inputs, as they were named.
-    #[serde(serialize_with = "paths_as_text")]
-    pub files: Vec<PathBuf>,
-    /// What was written.
-    #[serde(serialize_with = "paths_as_text")]
-    pub outputs: Vec<PathBuf>,
+    /// Inputs, as they were named; bytes that are no UTF-8 replaced.
+    pub files: Vec<String>,
+    /// What was written, named in the same way.
+    pub outputs: Vec<String>,
     /// Whether an exact check of what was written, read back, found no intersection.
     pub clean: bool,
     /// Iterations of the relaxation; 0 if the input was clean.
@@ -105,9 +102,7 @@ impl Report {
 impl Display for Report {
     /// The lines for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let names =
-            |paths: &[PathBuf]| -> Vec<String> { paths.iter().map(|path| path.display().to_string()).collect() };
-        writeln!(f, "{} -> {}", names(&self.files).join(", "), names(&self.outputs).join(", "))?;
+        writeln!(f, "{} -> {}", self.files.join(", "), self.outputs.join(", "))?;
         if self.before.is_clean() && self.clean {
             return writeln!(f, "  clean before: written unchanged");
         }
