@@ -5,8 +5,10 @@ use super::{
     disc::Disc,
     flood::{Flood, Separation, Terms},
     side::{Scene, choose_side},
+    starts_pair,
 };
 use crate::{
+    analysis::StageObserver,
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
@@ -21,7 +23,7 @@ pub struct RegionFinder {
 }
 
 impl RegionFinder {
-    /// Finds the inside regions of all paths of a frame.
+    /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is up.
     ///
     /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB in the faces of the disc.
     pub fn find(
@@ -30,12 +32,17 @@ impl RegionFinder {
         frame: &Frame,
         paths: &IntersectionPaths,
         settings: &Settings,
+        observer: &mut dyn StageObserver,
         regions: &mut InsideRegions,
     ) {
         let scene = &Scene { mesh, frame, paths, settings };
-        regions.by_copy.clear();
-        regions.vertices.clear();
-        for (index, copy) in paths.copies.iter().enumerate() {
+        regions.start(paths);
+        for place in 0..regions.order.len() {
+            if starts_pair(paths, &regions.order, place) && observer.is_spent() {
+                break;
+            }
+            let index = regions.order[place];
+            let copy = &paths.copies[index];
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
                     Some(self.partition(scene, &[index], regions))
@@ -45,8 +52,9 @@ impl RegionFinder {
                 }
                 PathType::BoundaryInside | PathType::InsideInside => None,
             };
-            regions.by_copy.push(region);
+            regions.by_copy[index] = region;
             self.join_copies(scene, index, regions);
+            regions.num_done = place + 1;
         }
     }
 
