@@ -285,7 +285,7 @@ pub fn open_and_close(programs: Programs, num_tries: u64) -> Row {
     let daemon = Daemon::start(programs, &domain, &[]);
     let client = domain.connect();
     let scene = Scene::new(500);
-    let mut once = |row: &mut Row| {
+    let once = |row: &mut Row| {
         let mut session = client.register(scene.registration()).expect("there is room for one session");
         for _ in 0..3 {
             match scene.exchange(&mut session, Duration::from_secs(30)) {

@@ -108,7 +108,7 @@ impl Fuzzer {
         let wildness = [0.0, 0.02, 0.5][rng.random_range(0..3)];
         let scale = 10f64.powi(if rng.random_bool(0.8) { 0 } else { rng.random_range(-80..80) });
         let lattice = rng.random_bool(0.4);
-        let mut coordinate = |rng: &mut ChaCha8Rng| {
+        let coordinate = |rng: &mut ChaCha8Rng| {
             if rng.random_bool(wildness) {
                 f64::from_bits(rng.random())
             } else if lattice {
@@ -295,7 +295,7 @@ fn registration(rng: &mut ChaCha8Rng) -> (Vec<u8>, u32) {
     };
     let mut writer = SectionWriter::default();
     writer.bytes(id::PARAMS, params.to_bytes().to_vec()).u32s(id::TRIANGLES, &faces);
-    let mut float = |rng: &mut ChaCha8Rng| {
+    let float = |rng: &mut ChaCha8Rng| {
         if rng.random_bool(0.01) { f64::from_bits(rng.random()) } else { rng.random_range(0.0..1.0) }
     };
     if rng.random() {

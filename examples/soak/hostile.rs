@@ -347,7 +347,9 @@ fn limit_cases() -> Vec<(RequestHeader, Vec<u8>)> {
         }
     }
     for document in documents() {
-        section_case(id::SETTINGS, Some(document.clone()));
+        section_case(id::SETTINGS, Some(document));
+    }
+    for document in documents() {
         let (payload, num_sections) = SectionWriter::default().bytes(id::SETTINGS, document).finish();
         for session in [0, 1, u64::MAX] {
             cases.push((RequestHeader { session, ..header(update, num_sections) }, payload.clone()));

@@ -155,7 +155,9 @@ fn prometheus(report: &Report) -> String {
         ("sessions_registered_total", "counter", "Sessions that were registered.", report.num_registered as f64),
         ("requests_refused_total", "counter", "Requests that were refused.", report.num_refused_requests as f64),
     ] {
-        family(name, kind, help, &mut |out, name| drop(writeln!(out, "{name} {value}")));
+        family(name, kind, help, &mut |out, name| {
+            let _ = writeln!(out, "{name} {value}");
+        });
     }
     for (name, kind, help, value) in BY_SESSION {
         family(name, kind, help, &mut |out, name| {
