@@ -19,10 +19,13 @@ use super::{
 
 const HEADERS: [usize; 2] = [size_of::<StateHeader>(), size_of::<CorrectionHeader>()];
 
-/// A flat sheet of some `num_vertices` vertices, and its positions.
-fn flat(num_vertices: usize) -> (Registration, Vec<[f32; 3]>) {
+/// A sheet in slight waves of some `num_vertices` vertices, without any contact, and its positions.
+fn sheet(num_vertices: usize) -> (Registration, Vec<[f32; 3]>) {
     let side = num_vertices.isqrt();
-    let at = |k: usize| [(k % side) as f32 * 0.01, (k / side) as f32 * 0.01, 0.0];
+    let at = |k: usize| {
+        let [x, y] = [(k % side) as f32 * 0.01, (k / side) as f32 * 0.01];
+        [x, y, 0.05 * (2.0 * x).sin() * (3.0 * y).cos()]
+    };
     let positions: Vec<[f32; 3]> = (0..side * side).map(at).collect();
     let squares = (0..(side - 1) * (side - 1)).map(|k| (k / (side - 1) * side + k % (side - 1)) as u32);
     let triangles = squares.flat_map(|a| {
@@ -48,7 +51,7 @@ pub fn round_trips(programs: Programs, echo: fn(&str, usize) -> Command) -> Vec<
         "|---|---|---|---|---|---|".to_owned(),
     ];
     for num_vertices in [1_000, 16_000, 250_000] {
-        let (registration, positions) = flat(num_vertices);
+        let (registration, positions) = sheet(num_vertices);
         let n = positions.len();
         let mut session = client.register(registration).expect("there is room");
         let mut socket = Echo::start(echo, n);
@@ -141,15 +144,15 @@ pub fn allocations_per_frame() -> Vec<String> {
         "| frames | client | daemon, whole | in 100 frames |".to_owned(),
         "|---|---|---|---|".to_owned(),
     ];
-    let (registration, positions) = flat(16_000);
+    let (registration, positions) = sheet(16_000);
     let tangled = Scene::new(5_000);
-    let mut sheet = client.register(registration).expect("there is room");
+    let mut flat = client.register(registration).expect("there is room");
     let mut scene = client.register(tangled.registration()).expect("there is room");
     let mut frame_of = |tangled_scene: bool| {
         if tangled_scene {
             drop(tangled.exchange(&mut scene, PATIENCE).expect("an answer"));
         } else {
-            let exchanged = sheet.exchange(STEP, PATIENCE, |out| out.copy_from_slice(&positions));
+            let exchanged = flat.exchange(STEP, PATIENCE, |out| out.copy_from_slice(&positions));
             drop(exchanged.expect("an answer"));
         }
     };
@@ -173,7 +176,7 @@ pub fn allocations_per_frame() -> Vec<String> {
             least(1)
         ));
     }
-    drop((sheet, scene, client));
+    drop((flat, scene, client));
     shutdown.request();
     let ended = daemon.join();
     assert!(ended.is_ok_and(|result| result.is_ok()), "the daemon ends well");
@@ -185,7 +188,7 @@ pub fn fairness(programs: Programs) -> String {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(programs, &domain, &[]);
     let client = domain.connect();
-    let (registration, positions) = flat(1_000);
+    let (registration, positions) = sheet(1_000);
     let mut session = client.register(registration).expect("there is room");
     let alone = latencies(&mut session, &positions);
     let mut huge = ClientProcess::start(programs, &domain, "huge");
@@ -210,7 +213,7 @@ pub fn fairness(programs: Programs) -> String {
 pub fn huge_main(domain: &str) {
     let options = ClientOptions { domain: Some(domain.to_owned()), timeout: PATIENCE };
     let client = Client::connect(options).expect("a daemon");
-    let (registration, positions) = flat(251_001);
+    let (registration, positions) = sheet(251_001);
     let mut session = client.register(registration).expect("there is room");
     while session.exchange(STEP, PATIENCE, |out| out.copy_from_slice(&positions)).is_ok() {
         println!("at frame");
@@ -225,7 +228,9 @@ fn latencies(session: &mut Session, positions: &[[f32; 3]]) -> Vec<f64> {
         std::thread::sleep(Duration::from_millis(4));
         time
     };
-    (0..20).for_each(|_| drop(once()));
+    (0..20).for_each(|_| {
+        once();
+    });
     (0..500).map(|_| once()).collect()
 }
 

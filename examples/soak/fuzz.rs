@@ -40,10 +40,6 @@ pub enum Target {
     MeshFile,
 }
 
-impl Target {
-    pub const ALL: [Self; 4] = [Self::Ingest, Self::Register, Self::Settings, Self::MeshFile];
-}
-
 /// Tries inputs `first..first + count` of a seed; returns how many were accepted, or the first find.
 pub fn run(target: Target, seed: u64, first: u64, count: u64) -> Result<u64, String> {
     let mut fuzzer = Fuzzer::new();

@@ -15,7 +15,7 @@ use untangled_proto::{Domain, lock::DomainLock, memory};
 use super::scene::Scene;
 
 /// Far beyond what anything takes here; only a failure waits this long.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// How to start the processes; tests and the command do it differently.
 #[derive(Clone, Copy)]

@@ -51,10 +51,6 @@ impl Scene {
         self.states[0].len()
     }
 
-    pub fn num_faces(&self) -> usize {
-        self.faces.len()
-    }
-
     pub fn registration(&self) -> Registration {
         Registration {
             num_vertices: self.num_vertices(),
