@@ -7,8 +7,10 @@ use super::{
     left::left_ends,
     pair::{Shore, agreement},
     side::{Scene, choose_side},
+    starts_pair,
 };
 use crate::{
+    analysis::StageObserver,
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
@@ -26,7 +28,7 @@ pub struct RegionFinder {
 }
 
 impl RegionFinder {
-    /// Finds the inside regions of all paths of a frame.
+    /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is up.
     ///
     /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture coordinates are no
     /// smooth chart, O(n log n) in the faces of the disc.
@@ -36,12 +38,17 @@ impl RegionFinder {
         frame: &Frame,
         paths: &IntersectionPaths,
         settings: &Settings,
+        observer: &mut dyn StageObserver,
         regions: &mut InsideRegions,
     ) {
         let scene = &Scene { mesh, frame, paths, settings };
-        regions.by_copy.clear();
-        regions.vertices.clear();
-        for (index, copy) in paths.copies.iter().enumerate() {
+        regions.start(paths);
+        for place in 0..regions.order.len() {
+            if starts_pair(paths, &regions.order, place) && observer.is_spent() {
+                break;
+            }
+            let index = regions.order[place];
+            let copy = &paths.copies[index];
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
                     Some(self.partition(scene, index, false, regions))
@@ -51,9 +58,10 @@ impl RegionFinder {
                 }
                 PathType::BoundaryInside | PathType::InsideInside => None,
             };
-            regions.by_copy.push(region);
+            regions.by_copy[index] = region;
             self.join_copies(scene, index, regions);
             self.agree(scene, index, regions);
+            regions.num_done = place + 1;
         }
     }
 
