@@ -34,6 +34,7 @@ pub(crate) struct Crosses {
     /// The vertices next to the ends of chains on the boundary.
     touching: Vec<Touching>,
     fan: Vec<(FaceId, VertexId)>,
+    ranks: Vec<(FaceId, usize)>,
     half_paths: Vec<HalfPath>,
     chords: Chords,
 }
@@ -142,7 +143,7 @@ impl Crosses {
     /// Puts the half-paths of a group in their order round the vertex; false if one does not lie in its fan.
     fn sort_half_paths(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) -> bool {
         self.half_paths.clear();
-        let fan = FanOrder::new(&self.fan);
+        let fan = FanOrder::new(&self.fan, &mut self.ranks);
         for (member, &(_, chain)) in group.iter().enumerate() {
             let Ends::LoopBoundary(_, BoundaryEnd { bounded, .. }) = view.ends(chain) else { return false };
             for copy in [bounded, 1 - bounded] {

@@ -23,8 +23,8 @@ pub struct RegionFinder {
     flood: Flood,
     disc: Disc,
     shore: Shore,
-    /// For each edge that a path crosses the end on the left, sorted.
-    left: Vec<(EdgeId, VertexId)>,
+    /// For each edge that a path crosses its place among them and the end on the left, sorted.
+    left: Vec<(EdgeId, usize, VertexId)>,
 }
 
 impl RegionFinder {
@@ -143,7 +143,7 @@ impl RegionFinder {
         self.cross_edges(scene.paths, copy);
         left_ends(scene.mesh, points, segments, &mut self.left);
         let (disc, left) = (&self.disc, &self.left);
-        let left = |edge| left.binary_search_by_key(&edge, |&(edge, _)| edge).ok().map(|at| left[at].1);
+        let left = |edge| left.binary_search_by_key(&edge, |&(edge, ..)| edge).ok().map(|at| left[at].2);
         let allowed = |vertex| disc.contains(scene.mesh, vertex);
         let region = divide(&mut self.flood, scene, points, &allowed, &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }

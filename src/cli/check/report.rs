@@ -119,7 +119,8 @@ impl Report {
             CopyReport {
                 path_type: copy.path_type,
                 num_segments: copy.segments.len(),
-                inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
+                // II and BI have none of their own, even where both paths of a pair bound one together.
+                inside_vertices: region.filter(|_| has_own_region(copy.path_type)).map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
                 partitioning: region.is_some_and(|region| region.partitioning),
             }
         };
