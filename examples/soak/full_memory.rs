@@ -1,4 +1,4 @@
-//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 4 MB of shared memory.
+//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 12 MB of shared memory.
 
 use std::{
     io::Write,
@@ -25,7 +25,7 @@ pub fn full_memory(mut program: Command) -> Option<Row> {
     if !rustix::process::getuid().is_root() {
         outer.args(["--user", "--map-root-user"]);
     }
-    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=4m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
+    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=12m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
     outer.arg(program.get_program()).args(program.get_args());
     outer.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     program = outer;
@@ -54,7 +54,7 @@ pub fn inner(programs: Programs) {
     let mut daemon = Daemon::start(programs, &domain, &[]);
     let client = domain.connect();
     let scene = Scene::new(5000);
-    let huge = Scene::new(60_000);
+    let huge = Scene::new(100_000);
     let mut num_refused = 0;
     let refused = |result: Result<_, RegisterError>| match result {
         Err(RegisterError::Request(

@@ -89,6 +89,7 @@ impl Fuzzer {
         let meshes = vec![
             untangler(vec![[0, 1, 2], [3, 4, 5]], 6),
             untangler(vec![[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [6, 7, 8]], 9),
+            untangler(grid(2), 9),
             untangler(grid(4), 25),
         ];
         let name = format!("untangled-fuzz-{}-{:?}", std::process::id(), std::thread::current().id());
@@ -96,7 +97,8 @@ impl Fuzzer {
     }
 
     fn ingest(&mut self, rng: &mut ChaCha8Rng) -> bool {
-        let which = rng.random_range(0..self.meshes.len());
+        // The largest takes most time, and is worth it now and then.
+        let which = if rng.random_bool(0.03) { 3 } else { rng.random_range(0..3) };
         let untangler = &mut self.meshes[which];
         let mesh = Arc::clone(untangler.mesh());
         let n = mesh.num_vertices();
@@ -206,9 +208,12 @@ impl Fuzzer {
 fn check_mesh(mesh: &Mesh) {
     for k in 0..mesh.num_faces() {
         let face = untangled::mesh::FaceId(k as u32);
-        for vertex in mesh.face(face) {
+        let corners = mesh.face(face);
+        // A face with a repeated index is ignored.
+        let ignored = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+        for vertex in corners {
             assert!(vertex.index() < mesh.num_vertices());
-            assert!(mesh.vertex_faces(vertex).contains(&face), "a face is round its corners");
+            assert_eq!(mesh.vertex_faces(vertex).contains(&face), !ignored, "a face is round its corners");
         }
     }
 }

@@ -16,7 +16,7 @@ use untangled_proto::{
     StateHeader, Status, VertexCorrection,
     names::{self, SessionService},
     sections::{SectionWriter, id},
-    services::{self, Ipc},
+    services::{self, Control, Ipc},
 };
 
 use super::{
@@ -27,6 +27,7 @@ use super::{
 /// A peer that speaks iceoryx2 itself. Fields are dropped in order.
 pub struct RawPeer {
     notifier: Notifier<Ipc>,
+    control: Control,
     node: Node<Ipc>,
 }
 
@@ -44,13 +45,13 @@ impl RawPeer {
             .create()
             .expect("a node");
         let event = services::open_event(&node, names::CONTROL).expect("the daemon made it");
-        Self { notifier: event.notifier_builder().create().expect("there is room for one more"), node }
+        let control = services::open_control(&node).expect("the daemon made it");
+        Self { notifier: event.notifier_builder().create().expect("there is room for one more"), control, node }
     }
 
     /// Sends a request and waits for its reply; none is a lost reply.
     pub fn request(&self, header: RequestHeader, payload: &[u8]) -> Option<(ReplyHeader, Vec<u8>)> {
-        let control = services::open_control(&self.node).expect("the daemon made it");
-        let port = control.client_builder().initial_max_slice_len(payload.len().max(1)).create().expect("a port");
+        let port = self.control.client_builder().initial_max_slice_len(payload.len().max(1)).create().expect("a port");
         let mut request = port.loan_slice_uninit(payload.len()).expect("a loan");
         *request.user_header_mut() = header;
         let pending = request.write_from_slice(payload).send().expect("a server");

@@ -170,9 +170,13 @@ const ROWS: [(&str, Make); 14] = [
     }),
 ];
 
-/// A quarter of a million inputs of each kind.
+/// A million inputs over all targets.
 fn fuzzed(plan: &Plan, target: Target) -> Row {
-    let num_tries = plan.count(250_000);
+    let num_tries = plan.count(match target {
+        Target::Ingest => 150_000,
+        Target::Register | Target::MeshFile => 225_000,
+        Target::Settings => 400_000,
+    });
     let what = format!("fuzzed input: {target:?}");
     match fuzz::run(target, plan.seed, 0, num_tries) {
         Ok(accepted) => Row {

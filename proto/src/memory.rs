@@ -4,9 +4,9 @@
 //! So whoever makes a port asks first whether there is room, and then takes all of it.
 
 use std::{
-    fs::{File, OpenOptions},
+    fs::{File, OpenOptions, Permissions},
     io::{Error, ErrorKind, Result},
-    os::unix::fs::MetadataExt,
+    os::unix::fs::{MetadataExt, PermissionsExt},
     path::Path,
 };
 
@@ -29,6 +29,24 @@ pub fn free() -> Result<u64> {
     Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
 }
 
+/// Closes what iceoryx2 leaves open to other users: the file with its version number. Others that make nodes know it already.
+///
+/// # Errors
+/// What the system says.
+pub fn close_to_others(domain: &Domain) -> Result<()> {
+    for entry in std::fs::read_dir(FOLDER)?.flatten() {
+        let ours = entry.file_name().as_encoded_bytes().starts_with(domain.prefix().as_bytes());
+        let Ok(metadata) = entry.metadata() else { continue };
+        if ours && metadata.is_file() && metadata.mode() & 0o077 != 0 {
+            match std::fs::set_permissions(entry.path(), Permissions::from_mode(metadata.mode() & 0o700)) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Takes all pages of the segments of a port, so that no later write to them can fail. Returns their bytes.
 ///
 /// Cost: the system clears each page.
@@ -36,6 +54,15 @@ pub fn free() -> Result<u64> {
 /// # Errors
 /// [`ErrorKind::StorageFull`] where there is no room; drop the port then.
 pub fn commit(domain: &Domain, port_id: u128) -> Result<u64> {
+    commit_first(domain, port_id, u64::MAX)
+}
+
+/// As [`commit`], but no more than the first so many bytes of each segment: for ports with room for more than is ever used at a time.
+/// Samples are handed out from the front.
+///
+/// # Errors
+/// As [`commit`].
+pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
     let port = port_id.to_string();
     let mut bytes = 0;
     for entry in std::fs::read_dir(FOLDER)?.flatten() {
@@ -44,7 +71,7 @@ pub fn commit(domain: &Domain, port_id: u128) -> Result<u64> {
         // Connections of the port have its id in their names as well, and are written to by both sides.
         if name.starts_with(domain.prefix()) && name.contains(&port) {
             match OpenOptions::new().read(true).write(true).open(entry.path()) {
-                Ok(file) => bytes += commit_file(&file, &entry.path())?,
+                Ok(file) => bytes += commit_file(&file, &entry.path(), most)?,
                 // Others may come and go.
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
                 Err(error) => return Err(error),
@@ -54,14 +81,15 @@ pub fn commit(domain: &Domain, port_id: u128) -> Result<u64> {
     Ok(bytes)
 }
 
-fn commit_file(file: &File, path: &Path) -> Result<u64> {
+fn commit_file(file: &File, path: &Path, most: u64) -> Result<u64> {
     let metadata = file.metadata()?;
-    if metadata.blocks().saturating_mul(512) >= metadata.len() {
-        return Ok(metadata.len());
+    let length = metadata.len().min(most);
+    if length == 0 || metadata.blocks().saturating_mul(512) >= metadata.len() {
+        return Ok(length);
     }
     loop {
-        match fallocate(file, FallocateFlags::empty(), 0, metadata.len()) {
-            Ok(()) => return Ok(metadata.len()),
+        match fallocate(file, FallocateFlags::empty(), 0, length) {
+            Ok(()) => return Ok(length),
             Err(Errno::INTR) => {}
             Err(error) => {
                 let error = Error::from(error);
@@ -83,6 +111,8 @@ mod tests {
         file.set_len(1 << 20).unwrap();
         assert_eq!(file.metadata().unwrap().blocks(), 0, "nothing was touched yet");
         assert_eq!(commit(&domain, 77).unwrap(), 0, "another port's");
+        assert_eq!(commit_first(&domain, 1234, 8192).unwrap(), 8192);
+        assert_eq!(file.metadata().unwrap().blocks(), 16);
         let committed = commit(&domain, 1234);
         let blocks = file.metadata().unwrap().blocks();
         // A size that no system has: the error is a word, not a signal.

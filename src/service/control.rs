@@ -29,6 +29,8 @@ type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 /// Room for a reply at the start.
 const REPLY_BYTES: usize = 4096;
 
+/// Replies on their way at a time for which shared memory is taken at the start: one for each client, and as many again.
+const COMMITTED_REPLIES: u64 = 2 * untangled_proto::limits::MAX_CLIENTS as u64;
 /// Registrations of more bytes than this are large.
 const LARGE_BYTES: usize = 1 << 20;
 
@@ -68,6 +70,10 @@ impl ControlServer {
         let notifier =
             event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
         let (service, server) = create_server(node)?;
+        // Refusals must get through where shared memory is full.
+        let domain = &registry.options().domain;
+        memory::commit_first(domain, server.id().value(), COMMITTED_REPLIES * REPLY_BYTES as u64)
+            .map_err(|source| ServeError::System { what: "taking shared memory for replies", source })?;
         Ok(Self { server, replier: Arc::new(Replier { notifier, registry }), _service: service, _event: event })
     }
 

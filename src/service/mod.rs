@@ -46,7 +46,7 @@ use iceoryx2::{
 use untangled_proto::{
     Domain, limits,
     lock::{DomainLock, LockError},
-    names,
+    memory, names,
     services::{self, Event, Ipc},
 };
 
@@ -197,6 +197,8 @@ impl Daemon {
             .create::<Ipc>()
             .map_err(|error| ServeError::transport("creating a node", &error))?;
         let node = Arc::new(node);
+        memory::close_to_others(&options.domain)
+            .map_err(|source| ServeError::System { what: "closing shared memory to other users", source })?;
         // A daemon that was killed still counts as a server until its node is cleaned up.
         let _ = node.try_cleanup_dead_nodes();
         let event = services::create_shared_event(&node, names::CONTROL)
