@@ -1,4 +1,4 @@
-//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 12 MB of shared memory.
+//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 96 MB of shared memory.
 
 use std::{
     io::Write,
@@ -25,7 +25,7 @@ pub fn full_memory(mut program: Command) -> Option<Row> {
     if !rustix::process::getuid().is_root() {
         outer.args(["--user", "--map-root-user"]);
     }
-    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=12m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
+    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=96m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
     outer.arg(program.get_program()).args(program.get_args());
     outer.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     program = outer;

@@ -83,9 +83,9 @@ impl Crosses {
         for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             // Where several readings are possible the shortest paths are joined: a choice that no numbering can change. Lengths that are
             // exactly equal are told apart by where the paths end, which the order of faces can't change.
-            group.sort_by_cached_key(|&(_, chain)| {
+            group.sort_unstable_by_key(|&(_, chain)| {
                 // Not negative, so that the bits are in the order of the values.
-                (view.length_m(chain).to_bits(), view.last_crossing(chain))
+                (view.length_m(chain).to_bits(), view.last_crossing(chain), chain)
             });
             self.join_at(view, group[0].0, group);
         }
