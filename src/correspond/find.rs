@@ -130,7 +130,7 @@ impl Correspondent {
         let partner_chart = if one_chart {
             own_chart
         } else {
-            let rings = OWN_RINGS + 1 + depth(region, &self.own, &self.track.own, edge_length_m);
+            let rings = depth(region, &self.own, &self.track.own, edge_length_m).saturating_add(OWN_RINGS + 1);
             let patch = self.partner.patch_mut();
             patch.start(mesh, segments.iter().map(|segment| segment.partner));
             patch.add_around(mesh, partner_region.unwrap_or(&[]));

@@ -96,7 +96,11 @@ impl RegionFinder {
     /// that run into each other both upper ends, or both lower ones. Where the smaller sides say otherwise, the smallest pair that agrees counts.
     fn agree(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
         let first = scene.paths.copies[second].partner;
-        if first >= second || !scene.paths.copies[second].closed || agreement(scene, first, regions) >= -0.5 {
+        // The count stays as it is printed, and winding numbers, where they are asked for, know better.
+        let decided = scene.settings.winding
+            || scene.settings.inside == InsideChoice::Count
+            || !scene.paths.copies[second].closed;
+        if first >= second || decided || agreement(scene, first, regions) >= -0.5 {
             return;
         }
         let both = [first, second];

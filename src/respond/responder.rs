@@ -116,6 +116,7 @@ impl Responder {
             }
             self.forces.finish(mesh, frame, &mut self.corrections);
             self.displacements.finish(mesh, &mut self.corrections);
+            self.corrections.keep_finite();
         }
         self.corrections.left_out = LeftOut::of(analysis, num_done);
         observer.end();
@@ -149,6 +150,22 @@ impl Responder {
 }
 
 impl Corrections {
+    /// Settings and masses at the limits of floating point may ask for more than a number can hold: such a force is left out.
+    fn keep_finite(&mut self) {
+        let is_finite = |vector: &Vector3<f64>| vector.iter().all(|value| value.is_finite());
+        for force in self.forces.iter_mut().filter(|force| !is_finite(force)) {
+            *force = Vector3::zeros();
+        }
+        for sum in [&mut self.net_force, &mut self.net_torque] {
+            if !is_finite(sum) {
+                *sum = Vector3::zeros();
+            }
+        }
+        if !self.max_displacement_m.is_finite() {
+            self.max_displacement_m = 0.0;
+        }
+    }
+
     fn reset(&mut self, num_vertices: usize) {
         self.forces.clear();
         self.forces.resize(num_vertices, Vector3::zeros());

@@ -31,6 +31,12 @@ pub(super) use write::GltfDocument;
 
 /// Parses a whole file; buffers of their own are looked for in `folder`.
 pub(super) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(Parsed, GltfDocument), ReadErrorKind> {
+    // The reader takes the length of the header from the length that a binary file claims, unchecked.
+    if let Some(&[b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d]) = source.first_chunk::<12>()
+        && u32::from_le_bytes([a, b, c, d]) < 12
+    {
+        return Err(ReadErrorKind::Malformed("the header says that the file is shorter than its header".into()));
+    }
     let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&source)?;
     let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
     let buffers = Buffers::load(&document, folder, blob)?;
