@@ -37,7 +37,10 @@ pub(super) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(Parsed, G
     {
         return Err(ReadErrorKind::Malformed("the header says that the file is shorter than its header".into()));
     }
-    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&source)?;
+    // Its arithmetic on lengths that a file claims is unchecked elsewhere too, which debug builds turn into panics.
+    let read = std::panic::catch_unwind(|| ::gltf::Gltf::from_slice(&source));
+    let ::gltf::Gltf { document, blob } =
+        read.map_err(|_| ReadErrorKind::Malformed("lengths in it contradict each other".into()))??;
     let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
     let buffers = Buffers::load(&document, folder, blob)?;
     let mut builder = Builder { document: &document, buffers: &buffers, parsed: Parsed::default(), blocks: Vec::new() };
