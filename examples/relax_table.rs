@@ -2,7 +2,8 @@
 //!
 //! ```sh
 //! cargo run --release --example relax_table -- [--response rbf|contour|displacement|mask] [--rest uv|input] [--steps N]
-//!     [--step H] [--stiffness K] [--no-uvs] [--verbose] FILE...
+//!     [--step H] [--stiffness K] [--no-uvs] [--verbose]
+//!     [--quality fast|balanced|accurate] FILE...
 //! ```
 //!
 //! Each step moves every vertex by its correction and then makes some iterations of position-based dynamics (Müller, Heidelberger,
@@ -21,7 +22,7 @@ use untangled::{
     frame::Frame,
     io::{concatenate, read_mesh},
     mesh::{Mesh, Uvs, VertexId},
-    settings::{Response, Settings},
+    settings::{Quality, Response, Settings},
     untangler::Untangler,
 };
 
@@ -41,6 +42,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let name = value()?;
                 settings.response =
                     Response::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name.as_str()))?;
+            }
+            "--quality" => {
+                let name = value()?;
+                Quality::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name.as_str()))?
+                    .apply(&mut settings);
             }
             "--rest" => flat = value()? == "uv",
             "--steps" => most = value()?.parse()?,

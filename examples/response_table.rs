@@ -54,13 +54,14 @@ struct Method {
     mask: bool,
 }
 
-const METHODS: [Method; 6] = [
+const METHODS: [Method; 7] = [
     Method { name: "no response", response: Response::Mask, values: false, mask: false },
     Method { name: "mask only", response: Response::Mask, values: false, mask: true },
     Method { name: "force without mask", response: Response::Rbf, values: true, mask: false },
     Method { name: "force + mask (rbf)", response: Response::Rbf, values: true, mask: true },
     Method { name: "contour + mask", response: Response::Contour, values: true, mask: true },
     Method { name: "displacement + mask", response: Response::Displacement, values: true, mask: true },
+    Method { name: "coupled + mask", response: Response::Coupled, values: true, mask: true },
 ];
 
 /// How one run ended.
@@ -136,9 +137,7 @@ fn print_head(markdown: bool, most: usize, edge_m: f64) {
     println!(
         "`held` whether the next {HELD} were clean too, `stretch` the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and"
     );
-    println!(
-        "response of a tangled step, on one machine and to be compared within the table only. `coupled` is not part of a session yet.\n"
-    );
+    println!("response of a tangled step, on one machine and to be compared within the table only.\n");
     println!("| scene | method | before | steps | held | after | stretch | ms/step |");
     println!("|---|---|---|---|---|---|---|---|");
 }
@@ -220,7 +219,7 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<R
         if method.values {
             // Forces are those of one step: divided by the mass, they are its displacement.
             let steps = corrections.forces.iter().zip(solver.masses_kg()).map(|(force, mass)| force / *mass);
-            if method.response == Response::Displacement {
+            if matches!(method.response, Response::Displacement | Response::Coupled) {
                 displacements.extend(steps);
             } else {
                 velocities.extend(steps.map(|step| step / DT_S));

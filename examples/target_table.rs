@@ -157,7 +157,7 @@ fn measure(sheet: &Sheet, curve: &Curve, edge_m: f64) -> Option<Row> {
     let mut analyser = Analyser::default();
     let analysis: &Analysis = analyser.analyse(&sheet.mesh, &sheet.frame, &settings, &mut ());
     let mut correspondent = Correspondent::default();
-    let found = correspondent.find(&sheet.mesh, &sheet.frame, analysis, &settings);
+    let found = correspondent.find(&sheet.mesh, &sheet.frame, analysis, &settings, &mut ());
     let length = |copy: usize| analysis.paths.pairs[analysis.paths.copies[copy].pair].length_m;
     let path = found
         .paths

@@ -35,12 +35,17 @@ pub enum Stage {
     Respond,
 }
 
-/// Told when a stage begins: how callers with a clock measure stages. `()` ignores it.
+/// Told when a stage begins, and asked whether to go on: how callers with a clock measure stages and end a frame early. `()`
+/// ignores it and has all the time in the world.
 pub trait StageObserver {
     /// `stage` begins now, and the one before it has ended.
     fn begin(&mut self, stage: Stage);
     /// The last stage has ended.
     fn end(&mut self);
+    /// Whether the time for this frame is up. Asked before each pair of paths, the longest first; what comes after is left out.
+    fn is_spent(&mut self) -> bool {
+        false
+    }
 }
 
 impl StageObserver for () {
@@ -74,7 +79,7 @@ impl Analyser {
         observer.begin(Stage::Paths);
         self.path_finder.find(mesh, frame, intersections, paths);
         observer.begin(Stage::Regions);
-        self.region_finder.find(mesh, frame, paths, settings, regions);
+        self.region_finder.find(mesh, frame, paths, settings, observer, regions);
         observer.end();
         &self.analysis
     }

@@ -1,6 +1,6 @@
 //! The daemon's configuration: defaults < TOML file < environment < flags.
 
-use std::path::PathBuf;
+use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
 use figment::{
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use untangled_proto::{Domain, DomainError, domain::DEFAULT_DOMAIN, limits};
 
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{Quality, Settings, SettingsError};
 
 /// Flags that choose or change the configuration.
 #[derive(Clone, Debug, Default, Args)]
@@ -22,6 +22,9 @@ pub struct ConfigFlags {
     /// Configuration file, as printed by `untangled config`.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Settings of sessions to start from, where a session does not choose: `fast`, `balanced` or `accurate`.
+    #[arg(long, value_name = "NAME")]
+    pub quality: Option<String>,
 }
 
 /// All that can be configured.
@@ -30,9 +33,13 @@ pub struct ConfigFlags {
 pub struct Config {
     /// Name of the domain.
     pub domain: String,
+    /// The settings that `settings` starts from.
+    pub quality: Quality,
+    /// Threads that work on frames; 0 for as many as there are processors.
+    pub num_workers: usize,
     /// What sessions may ask for.
     pub limits: Limits,
-    /// Logs.
+    /// Logs and metrics.
     pub telemetry: Telemetry,
     /// Settings of sessions, where a session does not choose its own.
     pub settings: Settings,
@@ -50,7 +57,7 @@ pub struct Limits {
     pub max_faces: usize,
 }
 
-/// Logs.
+/// Logs and metrics.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Telemetry {
@@ -58,6 +65,8 @@ pub struct Telemetry {
     pub filter: String,
     /// Text or JSON.
     pub format: LogFormat,
+    /// Address of the metrics; empty for none.
+    pub metrics: String,
 }
 
 /// How logs look.
@@ -75,6 +84,8 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             domain: DEFAULT_DOMAIN.to_owned(),
+            quality: Quality::default(),
+            num_workers: 0,
             limits: Limits::default(),
             telemetry: Telemetry::default(),
             settings: Settings::default(),
@@ -90,7 +101,7 @@ impl Default for Limits {
 
 impl Default for Telemetry {
     fn default() -> Self {
-        Self { filter: "info".to_owned(), format: LogFormat::Text }
+        Self { filter: "info".to_owned(), format: LogFormat::Text, metrics: String::new() }
     }
 }
 
@@ -111,8 +122,16 @@ pub enum ConfigError {
     /// A setting out of range.
     #[error("configuration: {0}")]
     Settings(#[from] SettingsError),
+    /// An address that metrics can't be served on.
+    #[error(
+        "configuration: telemetry.metrics is `{value}`; it must be a loopback address and a port, as in 127.0.0.1:9464"
+    )]
+    Metrics {
+        /// The value at fault.
+        value: String,
+    },
     /// A limit beyond what the protocol allows.
-    #[error("configuration: limits.{name} is {value}; it must be between 1 and {limit}")]
+    #[error("configuration: {name} is {value}; it must be between 1 and {limit}")]
     Limit {
         /// Its name.
         name: &'static str,
@@ -132,7 +151,7 @@ impl Config {
     /// # Errors
     /// [`ConfigError`], naming the key and where its value came from.
     pub fn load(args: &ConfigFlags) -> Result<Self, ConfigError> {
-        let mut layers = Figment::from(Serialized::defaults(Self::default()));
+        let mut layers = Figment::new();
         if let Some(path) = &args.config {
             // Read here, so that a missing file is an error and not an empty layer.
             let text =
@@ -144,19 +163,46 @@ impl Config {
         if let Some(domain) = &args.domain {
             layers = layers.merge(Serialized::default("domain", domain));
         }
-        let config: Self = layers.extract().map_err(Box::new)?;
+        if let Some(quality) = &args.quality {
+            layers = layers.merge(Serialized::default("quality", quality));
+        }
+        // What was chosen lies over the quality, and that over the defaults.
+        let mut defaults = Self::default();
+        if layers.contains("quality") {
+            defaults.quality = layers.extract_inner("quality").map_err(Box::new)?;
+            defaults.quality.apply(&mut defaults.settings);
+        }
+        let config: Self = Figment::from(Serialized::defaults(defaults)).merge(layers).extract().map_err(Box::new)?;
         config.settings.validate()?;
         let Limits { max_sessions, max_vertices, max_faces } = config.limits;
         for (name, value, limit) in [
-            ("max_sessions", max_sessions, limits::MAX_SESSIONS),
-            ("max_vertices", max_vertices, limits::MAX_VERTICES),
-            ("max_faces", max_faces, limits::MAX_FACES),
+            ("limits.max_sessions", max_sessions, limits::MAX_SESSIONS),
+            ("limits.max_vertices", max_vertices, limits::MAX_VERTICES),
+            ("limits.max_faces", max_faces, limits::MAX_FACES),
         ] {
             if !(1..=limit).contains(&value) {
                 return Err(ConfigError::Limit { name, value, limit });
             }
         }
+        if !(0..=MAX_WORKERS).contains(&config.num_workers) {
+            let (name, value) = ("num_workers", config.num_workers);
+            return Err(ConfigError::Limit { name, value, limit: MAX_WORKERS });
+        }
+        config.metrics()?;
         Ok(config)
+    }
+
+    /// Where metrics are to be served, if anywhere.
+    ///
+    /// # Errors
+    /// [`ConfigError::Metrics`] for what is no loopback address.
+    pub fn metrics(&self) -> Result<Option<SocketAddr>, ConfigError> {
+        let value = &self.telemetry.metrics;
+        if value.is_empty() {
+            return Ok(None);
+        }
+        let address = value.parse::<SocketAddr>().ok().filter(|address| address.ip().is_loopback());
+        address.map(Some).ok_or_else(|| ConfigError::Metrics { value: value.clone() })
     }
 
     /// The domain.
@@ -190,30 +236,45 @@ impl Config {
             out.push('\n');
             out.push_str(line);
         }
-        if self.settings.thickness_m.is_none() {
-            out.push_str("\n\n# ");
-            out.push_str(THICKNESS);
-            out.push_str("\n# thickness_m = 0.001");
+        let Settings { thickness_m, deadline_us, .. } = &self.settings;
+        for (is_set, explanation, example) in [
+            (thickness_m.is_some(), THICKNESS, "thickness_m = 0.001"),
+            (deadline_us.is_some(), DEADLINE, "deadline_us = 8000"),
+        ] {
+            if !is_set {
+                out.push_str("\n\n# ");
+                out.push_str(explanation);
+                out.push_str("\n# ");
+                out.push_str(example);
+            }
         }
         Ok(out)
     }
 }
+
+/// More workers than this would hardly be meant.
+const MAX_WORKERS: usize = 256;
+
+const DEADLINE: &str = "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. Without it there is no limit.";
 
 const THICKNESS: &str = "Thickness of the cloth in metres. Without it the mean edge length stands in.";
 
 /// What each key means; a test compares them with the configuration.
 const EXPLANATIONS: &[(&str, &str)] = &[
     ("domain", "Where clients find the daemon; different domains never meet."),
+    ("quality", "The settings below start from `fast`, `balanced` or `accurate`; a session may choose one too."),
+    ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
     ("[limits]", "What sessions may ask for."),
     ("limits.max_sessions", "Most sessions at a time, 1 to 64."),
     ("limits.max_vertices", "Most vertices of a session."),
     ("limits.max_faces", "Most faces of a session."),
-    ("[telemetry]", "Logs, on standard error."),
+    ("[telemetry]", "Logs, on standard error, and metrics."),
     (
         "telemetry.filter",
         "What to log: a level, or per module as in `untangled=debug` (a line per frame with stage times).",
     ),
     ("telemetry.format", "`text` or `json`."),
+    ("telemetry.metrics", "Loopback address for metrics as Prometheus text, as in 127.0.0.1:9464; empty for none."),
     ("[settings]", "Settings of sessions, where a session does not choose its own by the same names."),
     (
         "settings.response",
@@ -229,6 +290,7 @@ const EXPLANATIONS: &[(&str, &str)] = &[
     ),
     ("settings.max_step_edge_lengths", "Largest correction of a vertex in a step, in mean edge lengths."),
     ("settings.thickness_m", THICKNESS),
+    ("settings.deadline_us", DEADLINE),
     ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),
     ("settings.winding", "Whether winding numbers decide what is inside, on closed and oriented pieces."),
     ("settings.pinned_outside", "Whether a side with pinned vertices is outside, where the other side has none."),
@@ -243,8 +305,10 @@ mod tests {
 
     #[test]
     fn every_key_is_explained_and_the_text_reads_back() {
-        let config =
-            Config { settings: Settings { thickness_m: Some(0.002), ..Settings::default() }, ..Config::default() };
+        let config = Config {
+            settings: Settings { thickness_m: Some(0.002), deadline_us: Some(1), ..Settings::default() },
+            ..Config::default()
+        };
         let text = config.explained().unwrap();
         assert_eq!(toml::from_str::<Config>(&text).unwrap(), config);
         let lines: Vec<&str> = text.lines().collect();
@@ -253,6 +317,21 @@ mod tests {
                 assert!(lines[k - 1].starts_with("# "), "{line} has no explanation");
             }
         }
-        assert!(Config::default().explained().unwrap().contains("# thickness_m"));
+        let text = Config::default().explained().unwrap();
+        assert!(text.contains("\n# thickness_m = ") && text.contains("\n# deadline_us = "));
+        assert_eq!(toml::from_str::<Config>(&text).unwrap(), Config::default());
+    }
+
+    #[test]
+    fn metrics_stay_on_this_machine() {
+        let metrics = |value: &str| {
+            let telemetry = Telemetry { metrics: value.to_owned(), ..Telemetry::default() };
+            Config { telemetry, ..Config::default() }.metrics()
+        };
+        assert!(metrics("").unwrap().is_none());
+        assert!(metrics("127.0.0.1:9464").unwrap().is_some() && metrics("[::1]:0").unwrap().is_some());
+        for bad in ["0.0.0.0:9464", "192.168.0.1:80", "localhost", "9464"] {
+            assert!(matches!(metrics(bad), Err(ConfigError::Metrics { .. })), "{bad}");
+        }
     }
 }

@@ -31,6 +31,36 @@ pub struct Settings {
     pub max_centres: usize,
     /// Width of the flagged surroundings of the paths, in rings of vertices.
     pub path_rings: u32,
+    /// Time for a frame in microseconds, from when its positions are read. Whoever has the clock keeps to it (the daemon does);
+    /// what time does not suffice for is left out, the shortest paths first.
+    pub deadline_us: Option<u64>,
+}
+
+/// A named set of knobs, to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quality {
+    /// A fit with few centres.
+    Fast,
+    /// The default settings.
+    #[default]
+    Balanced,
+    /// A fit that follows long paths closely.
+    Accurate,
+}
+
+impl Quality {
+    /// Sets the knobs that belong to it and leaves the others as they are.
+    pub fn apply(self, settings: &mut Settings) {
+        // Contour minimisation is no preset: it is fast, and leaves most scenes of `relax_table` tangled.
+        let max_centres = match self {
+            Self::Fast => 10,
+            Self::Balanced => Settings::default().max_centres,
+            Self::Accurate => 100,
+        };
+        settings.response = Response::Rbf;
+        settings.max_centres = max_centres.max(settings.min_centres);
+    }
 }
 
 /// How corrections are found.
@@ -79,6 +109,7 @@ impl Default for Settings {
             min_centres: 5,
             max_centres: 30,
             path_rings: 2,
+            deadline_us: None,
         }
     }
 }
@@ -121,7 +152,8 @@ impl Settings {
             (self.min_centres..=1000).contains(&self.max_centres),
             "between min_centres and 1000",
         )?;
-        check("path_rings", f64::from(self.path_rings), self.path_rings <= 64, "at most 64")
+        check("path_rings", f64::from(self.path_rings), self.path_rings <= 64, "at most 64")?;
+        check("deadline_us", 0.0, self.deadline_us != Some(0), "at least 1, or left out for no limit")
     }
 }
 
@@ -136,5 +168,20 @@ mod tests {
         assert_eq!(bad.validate().unwrap_err().name, "stiffness_per_step2");
         let bad = Settings { min_centres: 40, ..Settings::default() };
         assert_eq!(bad.validate().unwrap_err().name, "max_centres");
+        let bad = Settings { deadline_us: Some(0), ..Settings::default() };
+        assert_eq!(bad.validate().unwrap_err().name, "deadline_us");
+    }
+
+    #[test]
+    fn presets_are_valid_and_the_middle_one_is_the_default() {
+        for quality in [Quality::Fast, Quality::Balanced, Quality::Accurate] {
+            let mut settings = Settings { deadline_us: Some(7), min_centres: 200, ..Settings::default() };
+            quality.apply(&mut settings);
+            assert_eq!(settings.validate(), Ok(()));
+            assert_eq!(settings.deadline_us, Some(7), "knobs of no preset stay");
+        }
+        let mut settings = Settings { response: Response::Mask, max_centres: 7, ..Settings::default() };
+        Quality::Balanced.apply(&mut settings);
+        assert_eq!(settings, Settings::default());
     }
 }

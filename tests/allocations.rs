@@ -2,6 +2,7 @@
 //!
 //! Counted on the one thread of a pool, since the trees of the broad phase are built in parallel.
 #![cfg(feature = "daemon")]
+#![allow(clippy::unwrap_used, reason = "a test")]
 
 use std::sync::Arc;
 

@@ -12,8 +12,9 @@ use serde_json::json;
 use support::{DEADLINE, Daemon, STEP, TestDomain, command, eventually, fill_flat, sheet};
 use untangled_client::{
     Client, ConnectError, CorrectionKind, Precision, PublishError, RegisterError, Registration, RequestError, Status,
+    flags,
 };
-use untangled_proto::names::SessionService;
+use untangled_proto::{correction::TRUNCATED, names::SessionService};
 
 #[test]
 fn register_and_exchange() {
@@ -154,6 +155,77 @@ fn settings_are_checked_and_changed() {
     let error = session.update_settings(json!({"response": "magic"}), DEADLINE).unwrap_err();
     assert!(matches!(error, RequestError::Refused { status: Status::BadSettings, .. }), "{error}");
     session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+}
+
+/// An upright triangle whose tip stands through a flat one.
+fn fill_tangled(positions: &mut [[f32; 3]]) {
+    positions.copy_from_slice(&[
+        [0.0, 0.0, 0.0],
+        [4.0, 0.0, 0.0],
+        [0.0, 4.0, 0.0],
+        [0.5, 1.0, 2.0],
+        [1.5, 1.0, 2.0],
+        [1.0, 1.1, -1.0],
+    ]);
+}
+
+#[test]
+fn a_frame_ends_when_time_is_up_and_says_what_is_missing() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let tangle = Registration { num_vertices: 6, triangles: vec![[0, 1, 2], [3, 4, 5]], ..Registration::default() };
+    // No frame is that fast.
+    let hurried = Registration { settings: json!({"deadline_us": 1}), ..tangle };
+    let mut session = client.register(hurried).unwrap();
+    let correction = session.exchange(STEP, DEADLINE, fill_tangled).unwrap();
+    let header = *correction.header();
+    assert_eq!((header.status, header.flags & TRUNCATED, header.num_pairs_left_out), (0, TRUNCATED, 1));
+    assert!((header.length_left_out_m - header.contour_length_m).abs() < 1e-12 && header.length_left_out_m > 0.1);
+    assert!(correction.vertices().iter().all(|vertex| vertex.value == [0.0; 3]));
+    assert_eq!(header.num_face_pairs, 1, "what intersects is always found");
+    assert_ne!(correction.vertices()[5].flags & flags::MASK, 0, "the mask holds all the same");
+    // Changed while it runs: each kind of setting from the next frame on.
+    for (settings, moves) in [
+        (json!({}), true),
+        (json!({"quality": "fast"}), true),
+        (json!({"quality": "accurate", "deadline_us": 1}), false),
+        (json!({"quality": "fast", "response": "mask"}), false),
+        (json!({"quality": "balanced"}), true),
+    ] {
+        session.update_settings(settings.clone(), DEADLINE).unwrap();
+        let correction = session.exchange(STEP, DEADLINE, fill_tangled).unwrap();
+        let header = correction.header();
+        assert_eq!(header.num_pairs_left_out, u64::from(settings["deadline_us"] == 1), "{settings}");
+        assert_eq!(header.flags & TRUNCATED != 0, header.num_pairs_left_out > 0);
+        assert_eq!(correction.vertices()[5].value != [0.0; 3], moves, "{settings}");
+    }
+    let status = client.status().unwrap();
+    assert_eq!(status["sessions"][0]["num_truncated_frames"], 2);
+}
+
+#[test]
+fn small_sessions_are_served_while_a_large_one_is_at_work() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let mut large = domain.connect().register(sheet(500)).unwrap();
+    let mut small = domain.connect().register(sheet(10)).unwrap();
+    let mut most_while_one = 0;
+    for _ in 0..5 {
+        let frame = large.publish(STEP, fill_flat).unwrap();
+        let mut num_small = 0;
+        let done = loop {
+            small.exchange(STEP, DEADLINE, fill_flat).unwrap();
+            match large.newest().unwrap() {
+                Some(correction) => break correction,
+                None => num_small += 1,
+            }
+        };
+        assert_eq!(done.frame(), frame);
+        most_while_one = most_while_one.max(num_small);
+    }
+    // With one worker for both there would be one at most.
+    assert!(most_while_one > 3, "{most_while_one} small frames while a large one was at work");
 }
 
 #[test]

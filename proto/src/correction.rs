@@ -118,8 +118,12 @@ pub struct CorrectionHeader {
     pub stage_ns: [u64; 8],
     /// Frames of this session so far that were overtaken by a newer one before the daemon looked at them.
     pub num_skipped_frames: u64,
+    /// With [`TRUNCATED`]: number of path pairs, the shortest ones, for which time did not suffice. They have flags near the path only.
+    pub num_pairs_left_out: u64,
+    /// With [`TRUNCATED`]: their length in the world in metres.
+    pub length_left_out_m: f64,
     /// Zero.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 3],
 }
 
 /// Correction of one vertex.

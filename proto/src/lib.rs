@@ -12,6 +12,7 @@ pub mod correction;
 pub mod domain;
 pub mod limits;
 pub mod lock;
+pub mod memory;
 pub mod names;
 pub mod paths;
 pub mod sections;

@@ -78,12 +78,3 @@ pub fn session_bytes(num_vertices: usize, precision: Precision) -> u64 {
 pub fn request_segment_bytes(request_bytes: usize) -> u64 {
     segment(request_bytes, 1, 64, 3)
 }
-
-/// Free shared memory in bytes. Writing beyond it is not an error that a program sees, but a SIGBUS that ends it: ask first.
-///
-/// # Errors
-/// What the system says about `/dev/shm`.
-pub fn free_shared_memory() -> std::io::Result<u64> {
-    let stat = rustix::fs::statvfs("/dev/shm")?;
-    Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
-}

@@ -33,7 +33,7 @@ fn headers() {
         frame @ 0, simulated_s @ 8, dt_s @ 16, status @ 24, kind @ 28, flags @ 32, num_vertices @ 36, fault_index @ 40,
         fault_value @ 48, num_edge_face_intersections @ 56, num_face_pairs @ 64, contour_length_m @ 72,
         num_inside @ 80, max_displacement_m @ 88, net_force_n @ 96, net_torque_nm @ 120, num_pairs @ 144,
-        stage_ns @ 208, num_skipped_frames @ 272, reserved @ 280,
+        stage_ns @ 208, num_skipped_frames @ 272, num_pairs_left_out @ 280, length_left_out_m @ 288, reserved @ 296,
     });
     pin!(PathsHeader, "untangled.v1.PathsHeader", size 64, align 8, {
         frame @ 0, num_paths @ 8, num_points @ 12, reserved @ 16,

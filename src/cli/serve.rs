@@ -1,6 +1,7 @@
 //! `untangled serve`.
 
 use clap::Args;
+use sd_notify::NotifyState;
 
 use crate::{
     config::{Config, ConfigFlags, Telemetry},
@@ -17,6 +18,9 @@ pub(super) struct ServeArgs {
     /// What to log, as in `info` or `untangled=debug` (a span per frame with the times of its stages).
     #[arg(long, value_name = "FILTER")]
     log: Option<String>,
+    /// Serve metrics as Prometheus text over HTTP on this loopback address, as in `127.0.0.1:9464`.
+    #[arg(long, value_name = "ADDRESS")]
+    metrics: Option<String>,
 }
 
 pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
@@ -24,35 +28,31 @@ pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
     if let Some(filter) = &args.log {
         config.telemetry = Telemetry { filter: filter.clone(), ..config.telemetry };
     }
+    if let Some(metrics) = &args.metrics {
+        config.telemetry.metrics.clone_from(metrics);
+    }
     telemetry::init(&config.telemetry)?;
     let options = ServeOptions {
         domain: config.domain()?,
         max_sessions: config.limits.max_sessions,
         max_vertices: config.limits.max_vertices,
         max_faces: config.limits.max_faces,
+        num_workers: config.num_workers,
+        metrics: config.metrics()?,
         settings: config.settings,
     };
     service::run(&options, &Shutdown::default(), || {
         tracing::info!(domain = options.domain.name(), root = %options.domain.root().display(), "serving");
         eprintln!("ready");
-        notify_systemd();
+        notify_systemd(NotifyState::Ready);
     })?;
+    notify_systemd(NotifyState::Stopping);
     Ok(Outcome::Clean)
 }
 
-/// Tells systemd, where it started us with `Type=notify`, that clients can connect.
-fn notify_systemd() {
-    use std::os::{
-        linux::net::SocketAddrExt,
-        unix::net::{SocketAddr, UnixDatagram},
-    };
-    let Some(path) = std::env::var_os("NOTIFY_SOCKET") else { return };
-    let address = match path.as_encoded_bytes().strip_prefix(b"@") {
-        Some(name) => SocketAddr::from_abstract_name(name),
-        None => SocketAddr::from_pathname(&path),
-    };
-    let sent = address.and_then(|address| UnixDatagram::unbound()?.send_to_addr(b"READY=1", &address));
-    if let Err(error) = sent {
+/// Tells systemd, where it started us with `Type=notify`.
+fn notify_systemd(state: NotifyState<'_>) {
+    if let Err(error) = sd_notify::notify(false, &[state]) {
         tracing::warn!(%error, "notifying systemd");
     }
 }

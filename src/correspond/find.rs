@@ -13,10 +13,11 @@ use super::{
     track::{Sheet, Track},
 };
 use crate::{
-    analysis::Analysis,
+    analysis::{Analysis, StageObserver},
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
     paths::{PathPoint, PathSegment},
+    regions::starts_pair,
     settings::Settings,
 };
 
@@ -45,18 +46,31 @@ pub struct Correspondent {
 
 impl Correspondent {
     /// Finds the correspondence of every path whose region divides its piece. Paths without one, and paths for which no chart
-    /// exists, are left out.
+    /// exists, are left out; so are the shortest ones, once the observer says that time is up.
     ///
     /// Cost: for each path linear in its faces, its region and as much of the other sheet; cubic in its centres.
-    pub fn find(&mut self, mesh: &Mesh, frame: &Frame, analysis: &Analysis, settings: &Settings) -> &Correspondences {
+    pub fn find(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        analysis: &Analysis,
+        settings: &Settings,
+        observer: &mut dyn StageObserver,
+    ) -> &Correspondences {
         self.clear();
-        for copy in 0..analysis.paths.copies.len() {
+        let order = &analysis.regions.order[..analysis.regions.num_done];
+        for (place, &copy) in order.iter().enumerate() {
+            if starts_pair(&analysis.paths, order, place) && observer.is_spent() {
+                break;
+            }
             if is_partitioning(analysis, copy)
                 && let Some(found) = self.follow(mesh, frame, analysis, settings, copy)
             {
                 self.correspondences.paths.push(found);
             }
+            self.correspondences.num_done = place + 1;
         }
+        self.correspondences.paths.sort_unstable_by_key(|path| path.copy);
         &self.correspondences
     }
 
@@ -65,6 +79,7 @@ impl Correspondent {
         self.correspondences.paths.clear();
         self.correspondences.pulls.clear();
         self.correspondences.partings.clear();
+        self.correspondences.num_done = 0;
         &self.correspondences
     }
 
@@ -115,7 +130,7 @@ impl Correspondent {
         let partner_chart = if one_chart {
             own_chart
         } else {
-            let rings = OWN_RINGS + 1 + depth(region, &self.own, &self.track.own, edge_length_m);
+            let rings = depth(region, &self.own, &self.track.own, edge_length_m).saturating_add(OWN_RINGS + 1);
             let patch = self.partner.patch_mut();
             patch.start(mesh, segments.iter().map(|segment| segment.partner));
             patch.add_around(mesh, partner_region.unwrap_or(&[]));

@@ -101,4 +101,6 @@ pub struct Correspondences {
     pub pulls: Vec<Pull>,
     /// Partings of all paths.
     pub partings: Vec<Parting>,
+    /// Copies of the [order of work](crate::regions::InsideRegions::order) that were looked at: all, unless time was up.
+    pub num_done: usize,
 }

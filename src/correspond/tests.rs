@@ -61,7 +61,7 @@ fn error(
 ) -> (f64, usize) {
     let analysis = analyse(mesh, frame);
     let mut correspondent = Correspondent::default();
-    let found = correspondent.find(mesh, frame, &analysis, &Settings::default());
+    let found = correspondent.find(mesh, frame, &analysis, &Settings::default(), &mut ());
     let at = |point: &MaterialPoint| {
         let places = point.vertices.iter().zip(point.weights);
         places.fold(Point2::origin(), |sum, (vertex, weight)| sum + flat[vertex.index()].coords * weight)
@@ -118,7 +118,7 @@ fn every_length_of_path_parts_once() {
     let (mesh, frame, _) = folded(24, true, false, ellipse);
     let analysis = analyse(&mesh, &frame);
     let mut correspondent = Correspondent::default();
-    let found = correspondent.find(&mesh, &frame, &analysis, &Settings::default());
+    let found = correspondent.find(&mesh, &frame, &analysis, &Settings::default(), &mut ());
     let parted: f64 = found.partings.iter().map(|parting| parting.length_m).sum();
     let length: f64 = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
     assert!((parted - length).abs() < 1e-9 * length, "{parted} of {length}");

@@ -71,6 +71,8 @@ pub(crate) struct FaceTree {
     levels: Vec<Vec<Boxes>>,
     /// Vertices after the map into single precision.
     mapped: Vec<[f32; 3]>,
+    /// Scratch: the boxes round the nodes of one level.
+    hulls: Vec<Boxes>,
 }
 
 impl FaceTree {
@@ -146,7 +148,7 @@ impl FaceTree {
     }
 
     /// Splits the search into independent parts, about `num_wanted` squared over two of them before the search drops any.
-    pub(crate) fn parts(&self, num_wanted: usize, parts: &mut Vec<NodePair>) {
+    pub(crate) fn parts(&mut self, num_wanted: usize, parts: &mut Vec<NodePair>) {
         parts.clear();
         let Some(level) = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= num_wanted) else {
             if let Some(top) = self.levels.len().checked_sub(1) {
@@ -156,18 +158,16 @@ impl FaceTree {
         };
         let num_nodes = u32::try_from(self.levels[level].len()).expect("fewer nodes than faces");
         parts.extend((0..num_nodes).map(|node| NodePair { level, nodes: [node, node] }));
-        let hulls: Vec<Boxes> = self.levels[level]
-            .iter()
-            .map(|node| {
-                let mut boxes = EMPTY;
-                let (low, high) = node.hull();
-                boxes.include(0, low, high);
-                boxes
-            })
-            .collect();
+        self.hulls.clear();
+        self.hulls.extend(self.levels[level].iter().map(|node| {
+            let mut boxes = EMPTY;
+            let (low, high) = node.hull();
+            boxes.include(0, low, high);
+            boxes
+        }));
         for a in 0..num_nodes {
             for b in a + 1..num_nodes {
-                if hulls[a as usize].overlaps(&hulls[b as usize], 0) & 1 != 0 {
+                if self.hulls[a as usize].overlaps(&self.hulls[b as usize], 0) & 1 != 0 {
                     parts.push(NodePair { level, nodes: [a, b] });
                 }
             }

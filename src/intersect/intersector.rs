@@ -35,6 +35,9 @@ pub struct Intersector {
     parts: Vec<Part>,
     contacts: Vec<([FaceId; 2], Contact)>,
     crossings: Vec<Crossing>,
+    /// Scratch of the check in debug builds.
+    #[cfg(debug_assertions)]
+    num_segments: Vec<usize>,
 }
 
 impl Intersector {
@@ -125,8 +128,10 @@ impl Intersector {
     }
     /// A crossing of an edge ends one segment for each face of the edge: with fewer a chain would end in the middle of the cloth.
     #[cfg(debug_assertions)]
-    fn assert_every_crossing_joins_all_faces(&self, mesh: &Mesh) {
-        let mut num_segments = vec![0; self.crossings.len()];
+    fn assert_every_crossing_joins_all_faces(&mut self, mesh: &Mesh) {
+        let num_segments = &mut self.num_segments;
+        num_segments.clear();
+        num_segments.resize(self.crossings.len(), 0);
         for (faces, contact) in &self.contacts {
             let ends = match *contact {
                 Contact::Crossings(crossings) => crossings,
@@ -139,7 +144,7 @@ impl Intersector {
                 assert!(faces.contains(&crossing.1), "a crossing of face {} between others", crossing.1.0);
             }
         }
-        for (&(edge, face), count) in self.crossings.iter().zip(num_segments) {
+        for (&(edge, face), &mut count) in self.crossings.iter().zip(num_segments) {
             let expected = mesh.edge_faces(edge).len();
             assert_eq!(count, expected, "segments that end where edge {} pierces face {}", edge.0, face.0);
         }

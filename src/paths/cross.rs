@@ -34,6 +34,7 @@ pub(crate) struct Crosses {
     /// The vertices next to the ends of chains on the boundary.
     touching: Vec<Touching>,
     fan: Vec<(FaceId, VertexId)>,
+    ranks: Vec<(FaceId, usize)>,
     half_paths: Vec<HalfPath>,
     chords: Chords,
 }
@@ -82,9 +83,9 @@ impl Crosses {
         for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             // Where several readings are possible the shortest paths are joined: a choice that no numbering can change. Lengths that are
             // exactly equal are told apart by where the paths end, which the order of faces can't change.
-            group.sort_by_cached_key(|&(_, chain)| {
+            group.sort_unstable_by_key(|&(_, chain)| {
                 // Not negative, so that the bits are in the order of the values.
-                (view.length_m(chain).to_bits(), view.last_crossing(chain))
+                (view.length_m(chain).to_bits(), view.last_crossing(chain), chain)
             });
             self.join_at(view, group[0].0, group);
         }
@@ -142,7 +143,7 @@ impl Crosses {
     /// Puts the half-paths of a group in their order round the vertex; false if one does not lie in its fan.
     fn sort_half_paths(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) -> bool {
         self.half_paths.clear();
-        let fan = FanOrder::new(&self.fan);
+        let fan = FanOrder::new(&self.fan, &mut self.ranks);
         for (member, &(_, chain)) in group.iter().enumerate() {
             let Ends::LoopBoundary(_, BoundaryEnd { bounded, .. }) = view.ends(chain) else { return false };
             for copy in [bounded, 1 - bounded] {

@@ -36,13 +36,14 @@ pub(crate) fn ordered_fan(mesh: &Mesh, vertex: VertexId, fan: &mut Vec<(FaceId, 
 pub(crate) struct FanOrder<'a> {
     fan: &'a [(FaceId, VertexId)],
     /// Faces with their places in the fan, sorted.
-    ranks: Vec<(FaceId, usize)>,
+    ranks: &'a [(FaceId, usize)],
 }
 
 impl<'a> FanOrder<'a> {
-    /// Sorts the faces of a fan.
-    pub(crate) fn new(fan: &'a [(FaceId, VertexId)]) -> Self {
-        let mut ranks: Vec<_> = fan.iter().enumerate().map(|(rank, &(face, _))| (face, rank)).collect();
+    /// Sorts the faces of a fan; `ranks` is scratch.
+    pub(crate) fn new(fan: &'a [(FaceId, VertexId)], ranks: &'a mut Vec<(FaceId, usize)>) -> Self {
+        ranks.clear();
+        ranks.extend(fan.iter().enumerate().map(|(rank, &(face, _))| (face, rank)));
         ranks.sort_unstable();
         Self { fan, ranks }
     }
@@ -109,6 +110,9 @@ mod tests {
         assert_eq!(fan.iter().map(|(face, _)| face.0).collect::<Vec<_>>(), [0, 2, 1]);
         let towards = SurfacePoint::Face { face: FaceId(2), barycentric: [0.75, 0.0, 0.25] };
         // Entered along 0-2, left along 0-3.
-        assert_eq!(FanOrder::new(&fan).direction(&mesh, VertexId(0), FaceId(2), towards), Some((1, 0.75)));
+        assert_eq!(
+            FanOrder::new(&fan, &mut Vec::new()).direction(&mesh, VertexId(0), FaceId(2), towards),
+            Some((1, 0.75))
+        );
     }
 }

@@ -7,8 +7,10 @@ use super::{
     left::left_ends,
     pair::{Shore, agreement},
     side::{Scene, choose_side},
+    starts_pair,
 };
 use crate::{
+    analysis::StageObserver,
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
@@ -21,12 +23,12 @@ pub struct RegionFinder {
     flood: Flood,
     disc: Disc,
     shore: Shore,
-    /// For each edge that a path crosses the end on the left, sorted.
-    left: Vec<(EdgeId, VertexId)>,
+    /// For each edge that a path crosses its place among them and the end on the left, sorted.
+    left: Vec<(EdgeId, usize, VertexId)>,
 }
 
 impl RegionFinder {
-    /// Finds the inside regions of all paths of a frame.
+    /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is up.
     ///
     /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture coordinates are no
     /// smooth chart, O(n log n) in the faces of the disc.
@@ -36,12 +38,17 @@ impl RegionFinder {
         frame: &Frame,
         paths: &IntersectionPaths,
         settings: &Settings,
+        observer: &mut dyn StageObserver,
         regions: &mut InsideRegions,
     ) {
         let scene = &Scene { mesh, frame, paths, settings };
-        regions.by_copy.clear();
-        regions.vertices.clear();
-        for (index, copy) in paths.copies.iter().enumerate() {
+        regions.start(paths);
+        for place in 0..regions.order.len() {
+            if starts_pair(paths, &regions.order, place) && observer.is_spent() {
+                break;
+            }
+            let index = regions.order[place];
+            let copy = &paths.copies[index];
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
                     Some(self.partition(scene, index, false, regions))
@@ -51,9 +58,10 @@ impl RegionFinder {
                 }
                 PathType::BoundaryInside | PathType::InsideInside => None,
             };
-            regions.by_copy.push(region);
+            regions.by_copy[index] = region;
             self.join_copies(scene, index, regions);
             self.agree(scene, index, regions);
+            regions.num_done = place + 1;
         }
     }
 
@@ -88,7 +96,11 @@ impl RegionFinder {
     /// that run into each other both upper ends, or both lower ones. Where the smaller sides say otherwise, the smallest pair that agrees counts.
     fn agree(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
         let first = scene.paths.copies[second].partner;
-        if first >= second || !scene.paths.copies[second].closed || agreement(scene, first, regions) >= -0.5 {
+        // The count stays as it is printed, and winding numbers, where they are asked for, know better.
+        let decided = scene.settings.winding
+            || scene.settings.inside == InsideChoice::Count
+            || !scene.paths.copies[second].closed;
+        if first >= second || decided || agreement(scene, first, regions) >= -0.5 {
             return;
         }
         let both = [first, second];
@@ -135,7 +147,7 @@ impl RegionFinder {
         self.cross_edges(scene.paths, copy);
         left_ends(scene.mesh, points, segments, &mut self.left);
         let (disc, left) = (&self.disc, &self.left);
-        let left = |edge| left.binary_search_by_key(&edge, |&(edge, _)| edge).ok().map(|at| left[at].1);
+        let left = |edge| left.binary_search_by_key(&edge, |&(edge, ..)| edge).ok().map(|at| left[at].2);
         let allowed = |vertex| disc.contains(scene.mesh, vertex);
         let region = divide(&mut self.flood, scene, points, &allowed, &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }

@@ -14,7 +14,7 @@ pub(crate) fn left_ends(
     mesh: &Mesh,
     points: &[PathPoint],
     segments: &[PathSegment],
-    left: &mut Vec<(EdgeId, VertexId)>,
+    left: &mut Vec<(EdgeId, usize, VertexId)>,
 ) {
     left.clear();
     // Whether the faces so far run clockwise, if the first one runs counter-clockwise.
@@ -23,7 +23,7 @@ pub(crate) fn left_ends(
         let face = segment.own;
         if let SurfacePoint::Edge { edge, .. } = points[at].own {
             if at == 0 {
-                left.push((edge, start_of(mesh, face, edge, turned)));
+                left.push((edge, left.len(), start_of(mesh, face, edge, turned)));
             } else {
                 turned ^= runs_alike(mesh, segments[at - 1].own, face, edge);
             }
@@ -33,12 +33,12 @@ pub(crate) fn left_ends(
             turned ^= turns_round(mesh, vertex, segments[at - 1].own, face);
         }
         if let SurfacePoint::Edge { edge, .. } = points[at + 1].own {
-            left.push((edge, start_of(mesh, face, edge, !turned)));
+            left.push((edge, left.len(), start_of(mesh, face, edge, !turned)));
         }
     }
-    // Stable: what was crossed first stays first.
-    left.sort_by_key(|&(edge, _)| edge);
-    left.dedup_by_key(|&mut (edge, _)| edge);
+    // What was crossed first stays first.
+    left.sort_unstable();
+    left.dedup_by_key(|&mut (edge, ..)| edge);
 }
 
 /// The vertex from which a face runs along an edge, or the other one.
@@ -112,7 +112,7 @@ mod tests {
             let segments = [0, 1, 4].map(|face| PathSegment { own: FaceId(face), partner: FaceId(face) });
             let mut left = Vec::new();
             left_ends(&mesh, &points, &segments, &mut left);
-            let end = |edge: EdgeId| left[left.binary_search_by_key(&edge, |&(edge, _)| edge).unwrap()].1.0;
+            let end = |edge: EdgeId| left[left.binary_search_by_key(&edge, |&(edge, ..)| edge).unwrap()].2.0;
             let found = [end(edge(1, 2)), end(edge(0, 2)), end(edge(5, 6))];
             // The sense of rotation is that of the first face.
             let expected = if flipped & 1 == 0 { [1, 0, 6] } else { [2, 2, 5] };

@@ -11,7 +11,7 @@ mod work;
 
 use std::ops::Range;
 
-use crate::mesh::VertexId;
+use crate::{mesh::VertexId, paths::IntersectionPaths};
 
 pub use finder::RegionFinder;
 
@@ -37,12 +37,35 @@ pub struct InsideRegions {
     pub by_copy: Vec<Option<InsideRegion>>,
     /// Vertices of all regions.
     pub vertices: Vec<VertexId>,
+    /// The order in which a frame is worked on: all copies, the longest pairs first.
+    pub order: Vec<usize>,
+    /// Copies of `order` that were looked at: all, unless time was up.
+    pub num_done: usize,
 }
 
 impl InsideRegions {
+    fn start(&mut self, paths: &IntersectionPaths) {
+        self.by_copy.clear();
+        self.by_copy.resize(paths.copies.len(), None);
+        self.vertices.clear();
+        self.order.clear();
+        self.order.extend(0..paths.copies.len());
+        let length_m = |copy: usize| paths.pairs[paths.copies[copy].pair].length_m;
+        self.order.sort_unstable_by(|&a, &b| {
+            let by_length = length_m(b).total_cmp(&length_m(a));
+            by_length.then((paths.copies[a].pair, a).cmp(&(paths.copies[b].pair, b)))
+        });
+        self.num_done = 0;
+    }
+
     /// The vertices inside of one path, ascending; empty for a path without a region.
     #[must_use]
     pub fn vertices_of(&self, copy: usize) -> &[VertexId] {
         self.by_copy[copy].as_ref().map_or(&[], |region| &self.vertices[region.vertices.clone()])
     }
+}
+
+/// Whether another pair of paths begins at a place of the order of work: a frame ends between pairs.
+pub(crate) fn starts_pair(paths: &IntersectionPaths, order: &[usize], place: usize) -> bool {
+    place == 0 || paths.copies[order[place - 1]].pair != paths.copies[order[place]].pair
 }

@@ -18,23 +18,12 @@ use std::ops::ControlFlow;
 
 pub use coupled::CoupledStep;
 
+pub use crate::settings::Quality;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{frame::FrameError, mesh::Mesh, paths::PairType};
-
-/// How much time a relaxation may take for a better result.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Quality {
-    /// Fewest candidates a step.
-    Fast,
-    /// The default.
-    #[default]
-    Balanced,
-    /// Most candidates a step, smallest steps.
-    Accurate,
-}
 
 /// What a caller chooses.
 #[derive(Clone, Debug, PartialEq)]

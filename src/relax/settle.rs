@@ -36,7 +36,7 @@ impl Relaxer<'_> {
             return Ok(false);
         }
         let analysis = self.analyser.last();
-        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
+        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings, &mut ());
         self.spared.clear();
         self.spared.resize(mesh.num_vertices(), false);
         self.now.clear();

@@ -208,7 +208,7 @@ impl<'a> Relaxer<'a> {
     fn iterate(&mut self, tries: &[Try], memory: f64, must_change: bool) -> Result<(Method, bool), RelaxError> {
         let Self { mesh, frame, clusters, domain, candidates, now, .. } = self;
         let analysis = self.analyser.last();
-        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings);
+        let found = self.correspondent.find(mesh, frame, analysis, &self.analysis_settings, &mut ());
         let scene = Scene { mesh, frame, analysis, found, orientation: &self.orientation };
         candidates.resize_with(tries.len().max(candidates.len()), Candidate::default);
         let candidates = &mut candidates[..tries.len()];

@@ -53,4 +53,15 @@ pub struct Corrections {
     pub net_torque: Vector3<f64>,
     /// Length of the longest displacement of one step, in metres.
     pub max_displacement_m: f64,
+    /// What time did not suffice for.
+    pub left_out: LeftOut,
+}
+
+/// Pairs of paths, the shortest ones, that got flags near the path but neither a region nor forces since time was up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// Number of pairs.
+    pub num_pairs: usize,
+    /// Their length in the world in metres.
+    pub length_m: f64,
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{
-    Corrections, VertexFlags,
+    Corrections, LeftOut, VertexFlags,
     contour::{GUARD, length_gradient},
     displace::Displacements,
     flags::set_flags,
@@ -16,6 +16,7 @@ use crate::{
     frame::Frame,
     mesh::{Mesh, VertexId},
     paths::PathType,
+    regions::starts_pair,
     settings::{Response, Settings},
 };
 
@@ -64,9 +65,14 @@ impl Responder {
         observer.begin(Stage::Correspond);
         let found = match settings.response {
             Response::Rbf | Response::Displacement | Response::Coupled => {
-                self.correspondent.find(mesh, frame, analysis, settings)
+                self.correspondent.find(mesh, frame, analysis, settings, observer)
             }
             Response::Contour | Response::Mask => self.correspondent.clear(),
+        };
+        let order = &analysis.regions.order;
+        let mut num_done = match settings.response {
+            Response::Rbf | Response::Displacement | Response::Coupled => found.num_done,
+            Response::Contour | Response::Mask => analysis.regions.num_done,
         };
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
@@ -89,7 +95,17 @@ impl Responder {
                     follow_targets(&scene, found, path, &mut self.forces);
                 }
             }
-            for copy in unanswered(analysis, found) {
+            for place in 0..num_done {
+                // Where targets were looked for, pairs have had their turn: what costs little follows without asking again.
+                let may_end = settings.response == Response::Contour && starts_pair(&analysis.paths, order, place);
+                if may_end && observer.is_spent() {
+                    num_done = place;
+                    break;
+                }
+                let copy = order[place];
+                if !is_unanswered(analysis, found, copy) {
+                    continue;
+                }
                 let is_bi = analysis.paths.copies[copy].path_type == PathType::BoundaryInside;
                 if settings.response != Response::Contour && is_bi {
                     push(&scene, copy, &mut self.push, &mut self.steps, &mut self.forces);
@@ -100,7 +116,9 @@ impl Responder {
             }
             self.forces.finish(mesh, frame, &mut self.corrections);
             self.displacements.finish(mesh, &mut self.corrections);
+            self.corrections.keep_finite();
         }
+        self.corrections.left_out = LeftOut::of(analysis, num_done);
         observer.end();
         &self.corrections
     }
@@ -132,6 +150,22 @@ impl Responder {
 }
 
 impl Corrections {
+    /// Settings and masses at the limits of floating point may ask for more than a number can hold: such a force is left out.
+    fn keep_finite(&mut self) {
+        let is_finite = |vector: &Vector3<f64>| vector.iter().all(|value| value.is_finite());
+        for force in self.forces.iter_mut().filter(|force| !is_finite(force)) {
+            *force = Vector3::zeros();
+        }
+        for sum in [&mut self.net_force, &mut self.net_torque] {
+            if !is_finite(sum) {
+                *sum = Vector3::zeros();
+            }
+        }
+        if !self.max_displacement_m.is_finite() {
+            self.max_displacement_m = 0.0;
+        }
+    }
+
     fn reset(&mut self, num_vertices: usize) {
         self.forces.clear();
         self.forces.resize(num_vertices, Vector3::zeros());
@@ -140,15 +174,29 @@ impl Corrections {
         self.net_force = Vector3::zeros();
         self.net_torque = Vector3::zeros();
         self.max_displacement_m = 0.0;
+        self.left_out = LeftOut::default();
     }
 }
 
-/// The paths, one of each pair of corresponding ones, for which neither path has a correspondence.
-fn unanswered<'a>(analysis: &'a Analysis, found: &'a Correspondences) -> impl Iterator<Item = usize> + 'a {
-    let copies = analysis.paths.copies.iter().enumerate().filter(|&(copy, path)| copy <= path.partner);
-    copies
-        .filter(|&(copy, path)| !has_correspondence(found, copy) && !has_correspondence(found, path.partner))
-        .map(|(copy, _)| copy)
+impl LeftOut {
+    /// All pairs after the first `num_done` copies in the order of work.
+    fn of(analysis: &Analysis, num_done: usize) -> Self {
+        let Analysis { paths, regions, .. } = analysis;
+        let mut left_out = Self::default();
+        for place in num_done..regions.order.len() {
+            if starts_pair(paths, &regions.order, place) {
+                left_out.num_pairs += 1;
+                left_out.length_m += paths.pairs[paths.copies[regions.order[place]].pair].length_m;
+            }
+        }
+        left_out
+    }
+}
+
+/// Whether neither a path nor its corresponding one has a correspondence; of such a pair only the first path.
+fn is_unanswered(analysis: &Analysis, found: &Correspondences, copy: usize) -> bool {
+    let partner = analysis.paths.copies[copy].partner;
+    copy <= partner && !has_correspondence(found, copy) && !has_correspondence(found, partner)
 }
 
 fn has_correspondence(found: &Correspondences, copy: usize) -> bool {

@@ -1,6 +1,6 @@
 //! Times of the stages of a frame.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use untangled_proto::correction::stage;
 
@@ -12,13 +12,14 @@ pub(super) struct StageClock {
     begin: Instant,
     running: Option<(usize, Instant)>,
     ns: [u64; 8],
+    limit: Option<Duration>,
 }
 
 impl StageClock {
-    /// Starts with [`stage::INGEST`].
-    pub(super) fn start() -> Self {
+    /// Starts with [`stage::INGEST`]; the time for the frame is up after `limit`.
+    pub(super) fn start(limit: Option<Duration>) -> Self {
         let now = Instant::now();
-        Self { begin: now, running: Some((stage::INGEST, now)), ns: [0; 8] }
+        Self { begin: now, running: Some((stage::INGEST, now)), ns: [0; 8], limit }
     }
 
     /// The stage at this index begins, and the one before it has ended.
@@ -56,6 +57,10 @@ impl StageObserver for StageClock {
 
     fn end(&mut self) {
         self.stop(Instant::now());
+    }
+
+    fn is_spent(&mut self) -> bool {
+        self.limit.is_some_and(|limit| self.begin.elapsed() >= limit)
     }
 }
 

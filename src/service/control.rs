@@ -1,10 +1,6 @@
 //! Requests: each gets one reply, a refusal included.
 
-use std::{
-    collections::hash_map::RandomState,
-    hash::BuildHasher,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use iceoryx2::{
     active_request::ActiveRequest,
@@ -14,21 +10,29 @@ use iceoryx2::{
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status,
     control::Hello,
-    names,
+    memory, names,
     sections::Sections,
     services::{self, Control, Event, Ipc},
 };
 
 use super::{
-    ServeOptions,
     error::{Refusal, ServeError},
     register,
-    session::Session,
+    registry::Registry,
     status,
+    throttle::Throttle,
 };
 
 type Port = Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
+
+/// Room for a reply at the start.
+const REPLY_BYTES: usize = 4096;
+
+/// Replies on their way at a time for which shared memory is taken at the start: one for each client, and as many again.
+const COMMITTED_REPLIES: u64 = 2 * untangled_proto::limits::MAX_CLIENTS as u64;
+/// Registrations of more bytes than this are large.
+const LARGE_BYTES: usize = 1 << 20;
 
 /// What a request asked for.
 struct Answer {
@@ -36,69 +40,83 @@ struct Answer {
     text: String,
 }
 
-/// Answers requests. Fields are dropped in order: ports before services.
-pub(super) struct ControlServer<'a> {
+/// Receives requests and answers those that take no time. Fields are dropped in order: ports before services.
+pub(super) struct ControlServer {
     server: Port,
-    notifier: Notifier<Ipc>,
+    replier: Arc<Replier>,
     _service: Control,
     _event: Event,
-    options: &'a ServeOptions,
-    /// Tells this run of the daemon from any other.
-    instance: u64,
-    num_registered: u64,
-    started: Instant,
 }
 
-impl<'a> ControlServer<'a> {
-    pub(super) fn start(node: &Node<Ipc>, options: &'a ServeOptions) -> Result<Self, ServeError> {
+/// Sends replies, from any thread.
+#[derive(Debug)]
+struct Replier {
+    notifier: Notifier<Ipc>,
+    registry: Arc<Registry>,
+}
+
+/// A registration, for a worker: a mesh may be large.
+#[derive(Debug)]
+pub(super) struct RegistrationJob {
+    request: Request,
+    header: RequestHeader,
+    replier: Arc<Replier>,
+}
+
+impl ControlServer {
+    pub(super) fn start(node: &Node<Ipc>, registry: Arc<Registry>) -> Result<Self, ServeError> {
         let event = services::create_shared_event(node, names::REPLY)
             .map_err(|error| ServeError::transport("creating the reply event", &error))?;
         let notifier =
             event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
         let (service, server) = create_server(node)?;
-        Ok(Self {
-            server,
-            notifier,
-            _service: service,
-            _event: event,
-            options,
-            instance: RandomState::new().hash_one(std::process::id()),
-            num_registered: 0,
-            started: Instant::now(),
-        })
+        // Refusals must get through where shared memory is full.
+        let domain = &registry.options().domain;
+        memory::commit_first(domain, server.id().value(), COMMITTED_REPLIES * REPLY_BYTES as u64)
+            .map_err(|source| ServeError::System { what: "taking shared memory for replies", source })?;
+        Ok(Self { server, replier: Arc::new(Replier { notifier, registry }), _service: service, _event: event })
     }
 
-    /// Answers all requests that have come.
-    pub(super) fn answer(&mut self, node: &Node<Ipc>, sessions: &mut Vec<Session>) {
+    /// Answers all requests that have come, but for registrations: those are for `defer`.
+    pub(super) fn answer(&self, mut defer: impl FnMut(RegistrationJob)) {
         loop {
             let request = match self.server.receive() {
                 Ok(Some(request)) => request,
                 Ok(None) => return,
                 Err(error) => {
-                    tracing::warn!(?error, "receiving a request");
+                    static FAILED: Throttle = Throttle::new();
+                    if let Some(num_suppressed) = FAILED.admit() {
+                        tracing::warn!(?error, num_suppressed, "receiving a request");
+                    }
                     return;
                 }
             };
             // A copy: the peer may write on.
             let header = *request.user_header();
-            let answer = self.answer_one(node, sessions, &header, request.payload());
-            if let Err(refusal) = &answer {
-                tracing::info!(kind = header.kind, status = ?refusal.status, reason = %refusal, "request refused");
-            }
-            if let Err(error) = self.reply(&request, answer) {
-                // Most likely its client is gone, and a session that it registered goes with the next housekeeping.
-                tracing::info!(?error, "sending a reply");
+            let replier = &self.replier;
+            if header.kind == RequestKind::Register as u32 && header.protocol_version == PROTOCOL_VERSION {
+                defer(RegistrationJob { request, header, replier: Arc::clone(replier) });
+            } else {
+                replier.reply(&request, &header, replier.answer(&header, request.payload()));
             }
         }
     }
+}
 
-    fn answer_one(
-        &mut self,
-        node: &Node<Ipc>,
-        sessions: &mut Vec<Session>,
-        header: &RequestHeader,
-        payload: &[u8],
-    ) -> Result<Answer, Refusal> {
+impl RegistrationJob {
+    /// Whether reading it may take so long that small sessions must not wait for it.
+    pub(super) fn is_large(&self) -> bool {
+        self.request.payload().len() > LARGE_BYTES
+    }
+
+    pub(super) fn run(self) {
+        let Self { request, header, replier } = self;
+        replier.reply(&request, &header, replier.register(&header, request.payload()));
+    }
+}
+
+impl Replier {
+    fn answer(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
         if header.protocol_version != PROTOCOL_VERSION {
             let theirs = header.protocol_version;
             return Err(Refusal::new(
@@ -111,9 +129,7 @@ impl<'a> ControlServer<'a> {
         let kind = RequestKind::from_code(header.kind).ok_or_else(|| {
             Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
         })?;
-        let num_sections = usize::try_from(header.num_sections).unwrap_or(usize::MAX);
-        let sections =
-            Sections::parse(payload, num_sections).map_err(|error| Refusal::new(Status::BadRequest, error))?;
+        let sections = sections(header, payload)?;
         let plain = |text: String| Ok(Answer { session: 0, text });
         match kind {
             RequestKind::Hello => plain(json(&Hello {
@@ -122,58 +138,55 @@ impl<'a> ControlServer<'a> {
                 iceoryx2_version: ICEORYX2_VERSION.to_owned(),
                 pid: std::process::id(),
             })),
-            RequestKind::Status => plain(json(&status::report(self.options, self.started.elapsed(), sessions))),
-            RequestKind::Register => self.register(node, sessions, &sections),
+            RequestKind::Status => plain(json(&status::report(&self.registry))),
+            RequestKind::Register => self.register(header, payload),
             RequestKind::UpdateSettings => {
-                let settings = register::settings(&sections, self.options)?;
-                find(sessions, header.session)?.set_settings(settings)?;
+                let settings = register::settings(&sections, self.registry.options())?;
+                self.registry.find(header.session)?.set_settings(settings)?;
                 plain(String::new())
             }
             RequestKind::Close => {
-                let id = find(sessions, header.session)?.id();
-                sessions.retain(|session| session.id() != id);
-                tracing::info!(session = id, "session closed");
+                self.registry.close(header.session)?;
                 plain(String::new())
             }
         }
     }
 
-    fn register(
-        &mut self,
-        node: &Node<Ipc>,
-        sessions: &mut Vec<Session>,
-        sections: &Sections<'_>,
-    ) -> Result<Answer, Refusal> {
-        let limit = self.options.max_sessions;
-        if sessions.len() >= limit {
-            return Err(Refusal::new(Status::TooManySessions, format_args!("{limit} sessions are open already")));
-        }
-        let reserved = sessions.iter().map(Session::untouched_bytes).sum();
-        let registered = register::read(sections, self.options, reserved)?;
-        let id = self.num_registered + 1;
-        let session = Session::create(node, self.instance, id, registered)?;
-        tracing::info!(
-            session = id,
-            num_vertices = session.mesh().num_vertices(),
-            num_faces = session.mesh().num_faces(),
-            "session registered"
-        );
-        self.num_registered = id;
-        sessions.push(session);
-        Ok(Answer { session: id, text: String::new() })
+    fn register(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
+        let session = self.registry.register(&sections(header, payload)?)?;
+        Ok(Answer { session, text: String::new() })
     }
 
-    fn reply(&self, request: &Request, answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
+    fn reply(&self, request: &Request, header: &RequestHeader, answer: Result<Answer, Refusal>) {
+        if let Err(refusal) = &answer {
+            static REFUSED: Throttle = Throttle::new();
+            self.registry.count_refused_request();
+            if let Some(num_suppressed) = REFUSED.admit() {
+                let (kind, status) = (header.kind, refusal.status);
+                tracing::info!(kind, ?status, reason = %refusal, num_suppressed, "request refused");
+            }
+        }
+        if let Err(error) = self.send(request, answer) {
+            // Most likely its client is gone, and a session that it registered goes with the next housekeeping.
+            static LOST: Throttle = Throttle::new();
+            if let Some(num_suppressed) = LOST.admit() {
+                tracing::info!(%error, num_suppressed, "sending a reply");
+            }
+        }
+    }
+
+    fn send(&self, request: &Request, answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
         let (status, session, text) = match answer {
             Ok(answer) => (Status::Ok, answer.session, answer.text),
             Err(refusal) => (refusal.status, 0, refusal.message),
         };
+        check_room(text.len())?;
         let mut reply =
             request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
         *reply.user_header_mut() = ReplyHeader {
             protocol_version: PROTOCOL_VERSION,
             status: status.code(),
-            instance: self.instance,
+            instance: self.registry.instance(),
             session,
             ..ReplyHeader::default()
         };
@@ -183,6 +196,21 @@ impl<'a> ControlServer<'a> {
         let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY));
         Ok(())
     }
+}
+
+fn sections<'a>(header: &RequestHeader, payload: &'a [u8]) -> Result<Sections<'a>, Refusal> {
+    let num_sections = usize::try_from(header.num_sections).unwrap_or(usize::MAX);
+    Sections::parse(payload, num_sections).map_err(|error| Refusal::new(Status::BadRequest, error))
+}
+
+/// Whether a reply that is longer than the room at the start may be written: its segment grows then, and a full one is SIGBUS.
+fn check_room(reply_bytes: usize) -> Result<(), ServeError> {
+    // Twice, since segments grow by powers of two, and for each of the samples that a server keeps for its clients.
+    let needed = (reply_bytes as u64 * 2).saturating_mul(4 * untangled_proto::limits::MAX_CLIENTS as u64);
+    if reply_bytes > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
+        return Err(ServeError::transport("loaning a reply", &"shared memory is full"));
+    }
+    Ok(())
 }
 
 /// The control service with its one server. A server of a daemon that was killed counts until it is cleaned up.
@@ -196,7 +224,7 @@ fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
             .and_then(|service| {
                 let server = service
                     .server_builder()
-                    .initial_max_slice_len(4096)
+                    .initial_max_slice_len(REPLY_BYTES)
                     .allocation_strategy(AllocationStrategy::PowerOfTwo)
                     .max_loaned_responses_per_request(1)
                     .create()
@@ -213,13 +241,6 @@ fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
             }
         }
     }
-}
-
-fn find(sessions: &mut [Session], id: u64) -> Result<&mut Session, Refusal> {
-    sessions
-        .iter_mut()
-        .find(|session| session.id() == id)
-        .ok_or_else(|| Refusal::new(Status::UnknownSession, format_args!("there is no session {id}")))
 }
 
 fn json(value: &impl serde::Serialize) -> String {

@@ -12,6 +12,14 @@ pub enum ServeError {
     /// The domain can't be used.
     #[error(transparent)]
     Domain(#[from] DomainError),
+    /// A thread could not be started, or an address not be listened on.
+    #[error("{what}: {source}")]
+    System {
+        /// What was tried.
+        what: &'static str,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The transport failed.
     #[error("{what}: {reason}")]
     Transport {
@@ -37,7 +45,16 @@ pub(super) struct Refusal {
 }
 
 impl Refusal {
+    /// A long message, which could only repeat what a peer sent, is cut.
     pub(super) fn new(status: Status, message: impl ToString) -> Self {
-        Self { status, message: message.to_string() }
+        const LONGEST: usize = 1000;
+        let mut message = message.to_string();
+        if message.len() > LONGEST {
+            // Never in the middle of a character.
+            let end = (0..=LONGEST).rev().find(|&end| message.is_char_boundary(end)).unwrap_or(0);
+            message.truncate(end);
+            message.push_str(" ...");
+        }
+        Self { status, message }
     }
 }

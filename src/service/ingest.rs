@@ -33,12 +33,18 @@ pub(super) fn check_header(header: &StateHeader, num_vertices: usize) -> Result<
 
 /// Copies single-precision positions into `frame`, each read once and checked after it was read.
 pub(super) fn read_f32(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF32]) -> Result<(), StateFault> {
-    frame.set(mesh, positions.iter().map(|position| position.0)).map_err(fault)
+    frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
 }
 
 /// Copies double-precision positions into `frame`, each read once and checked after it was read.
 pub(super) fn read_f64(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF64]) -> Result<(), StateFault> {
-    frame.set(mesh, positions.iter().map(|position| position.0)).map_err(fault)
+    frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
+}
+
+/// Reads what a peer may be writing to.
+fn read_once<P: Copy>(position: &P) -> P {
+    // SAFETY: a reference can be read from. Volatile, so that the value that is checked is the one that is kept: nothing may read it again.
+    unsafe { std::ptr::read_volatile(position) }
 }
 
 fn fault(error: FrameError) -> StateFault {

@@ -1,26 +1,33 @@
 //! The daemon: sessions, ingest, publish, housekeeping. The only user of iceoryx2 in this package.
 //!
 //! ```text
-//! event ──> WaitSet ──> control ── register ──> session (mesh, settings, ports)
-//!                   └─> session ── ingest ──> Untangler ──> publish ──> event to the host
+//! event ──> WaitSet ──> control ───────> pool: register ──> session (mesh, settings, ports)
+//!                   └─> sessions ──────> pool: ingest ──> Untangler ──> publish ──> event to the host
 //! tick  ──> housekeeping: dead nodes, sessions without a host
 //! ```
 //!
-//! One thread serves all sessions; between events it sleeps. A session owns all that its frames need, so that a pool of
-//! workers could own sessions instead. Whatever a peer wrote is copied before it is checked: it may write on.
+//! One thread waits for events and hands out work; workers do it, each session's by one worker at a time. Between events all of them
+//! sleep. Whatever a peer wrote is copied before it is checked: it may write on.
 
 mod clock;
 mod control;
 mod error;
+#[doc(hidden)]
+pub mod fuzz;
 mod ingest;
+mod metrics;
 mod paths;
+mod pool;
 mod ports;
 mod publish;
 mod register;
+mod registry;
 mod session;
 mod status;
+mod throttle;
 
 use std::{
+    net::SocketAddr,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -39,14 +46,17 @@ use iceoryx2::{
 use untangled_proto::{
     Domain, limits,
     lock::{DomainLock, LockError},
-    names,
+    memory, names,
     services::{self, Event, Ipc},
 };
 
 use crate::settings::Settings;
 
-use control::ControlServer;
+use control::{ControlServer, RegistrationJob};
 pub use error::ServeError;
+use metrics::MetricsServer;
+use pool::{Job, Pool};
+use registry::Registry;
 use session::Session;
 
 /// How often dead peers are looked for.
@@ -63,6 +73,10 @@ pub struct ServeOptions {
     pub max_vertices: usize,
     /// Most faces of a session.
     pub max_faces: usize,
+    /// Threads that work on frames, at least 2; 0 for as many as there are processors.
+    pub num_workers: usize,
+    /// Where to serve metrics as Prometheus text over HTTP, if anywhere. Whoever can connect can read them: loopback only.
+    pub metrics: Option<SocketAddr>,
     /// Settings of sessions, where a session does not choose its own.
     pub settings: Settings,
 }
@@ -76,8 +90,18 @@ impl ServeOptions {
             max_sessions: limits::MAX_SESSIONS,
             max_vertices: limits::MAX_VERTICES,
             max_faces: limits::MAX_FACES,
+            num_workers: 0,
+            metrics: None,
             settings: Settings::default(),
         }
+    }
+
+    fn num_workers(&self) -> usize {
+        let chosen = match self.num_workers {
+            0 => std::thread::available_parallelism().map_or(2, usize::from),
+            chosen => chosen,
+        };
+        chosen.max(2)
     }
 }
 
@@ -109,7 +133,7 @@ pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) ->
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
     lock.announce()?;
-    let result = Daemon::start(options).and_then(|mut daemon| daemon.serve(shutdown, ready));
+    let result = Daemon::start(options).and_then(|daemon| daemon.serve(shutdown, ready));
     // All ports, services and the node are gone by now.
     lock.withdraw()?;
     lock.wipe_if_unused()?;
@@ -128,35 +152,70 @@ fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
     DomainLock::acquire(domain)
 }
 
-/// The daemon's state. Fields are dropped in order: ports before services before the node.
-struct Daemon<'a> {
-    sessions: Vec<Session>,
-    control: ControlServer<'a>,
-    listener: Listener<Ipc>,
-    _event: Event,
-    node: Node<Ipc>,
+/// What a worker does.
+#[derive(Debug)]
+enum Task {
+    Frame(Arc<Session>),
+    Register(Box<RegistrationJob>),
 }
 
-impl<'a> Daemon<'a> {
-    fn start(options: &'a ServeOptions) -> Result<Self, ServeError> {
+impl Job for Task {
+    fn is_large(&self) -> bool {
+        match self {
+            Self::Frame(session) => session.is_large(),
+            Self::Register(job) => job.is_large(),
+        }
+    }
+
+    fn run(self) -> Option<Self> {
+        match self {
+            Self::Frame(session) => session.serve().then_some(Self::Frame(session)),
+            Self::Register(job) => {
+                job.run();
+                None
+            }
+        }
+    }
+}
+
+/// The daemon's state. Fields are dropped in order: threads before ports before services before the node.
+struct Daemon {
+    pool: Pool<Task>,
+    _metrics: Option<MetricsServer>,
+    control: ControlServer,
+    registry: Arc<Registry>,
+    listener: Listener<Ipc>,
+    _event: Event,
+    node: Arc<Node<Ipc>>,
+}
+
+impl Daemon {
+    fn start(options: &ServeOptions) -> Result<Self, ServeError> {
         let node = NodeBuilder::new()
             .config(&options.domain.config()?)
             .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
             .create::<Ipc>()
             .map_err(|error| ServeError::transport("creating a node", &error))?;
+        let node = Arc::new(node);
+        memory::close_to_others(&options.domain)
+            .map_err(|source| ServeError::System { what: "closing shared memory to other users", source })?;
         // A daemon that was killed still counts as a server until its node is cleaned up.
         let _ = node.try_cleanup_dead_nodes();
         let event = services::create_shared_event(&node, names::CONTROL)
             .map_err(|error| ServeError::transport("creating the control event", &error))?;
         let listener =
             event.listener_builder().create().map_err(|error| ServeError::transport("creating a listener", &error))?;
+        let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone()));
+        let pool = Pool::start(options.num_workers())
+            .map_err(|source| ServeError::System { what: "starting a worker", source })?;
+        let metrics = options.metrics.map(|address| MetricsServer::start(address, Arc::clone(&registry)));
+        let metrics = metrics.transpose()?;
         // The server comes last: clients that see it find everything else in place.
-        let control = ControlServer::start(&node, options)?;
-        Ok(Self { sessions: Vec::new(), control, listener, _event: event, node })
+        let control = ControlServer::start(&node, Arc::clone(&registry))?;
+        Ok(Self { pool, _metrics: metrics, control, registry, listener, _event: event, node })
     }
 
-    fn serve(&mut self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
-        let Self { sessions, control, listener, node, .. } = self;
+    fn serve(self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
         let failed = |error: &dyn std::fmt::Debug| ServeError::Transport {
             what: "waiting for events",
             reason: format!("{error:?}"),
@@ -165,21 +224,23 @@ impl<'a> Daemon<'a> {
             .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
             .create::<Ipc>()
             .map_err(|error| failed(&error))?;
-        let _wake = waitset.attach_notification(&*listener).map_err(|error| failed(&error))?;
+        let _wake = waitset.attach_notification(&self.listener).map_err(|error| failed(&error))?;
         let tick = waitset.attach_interval(HOUSEKEEPING).map_err(|error| failed(&error))?;
         let mut on_event = |event: WaitSetAttachmentId<Ipc>| {
             if event.has_event_from(&tick) {
                 // What it counts is not news: some dead nodes can never be removed.
-                let _ = node.try_cleanup_dead_nodes();
-            } else if let Err(error) = listener.try_wait(|_| {}) {
+                let _ = self.node.try_cleanup_dead_nodes();
+            } else if let Err(error) = self.listener.try_wait(|_| {}) {
                 tracing::warn!(?error, "draining events");
             }
             // Events are drained first: whatever comes from here on wakes again.
-            control.answer(node, sessions);
-            for session in &mut *sessions {
-                session.serve();
-            }
-            sessions.retain(Session::has_host);
+            self.control.answer(|job| self.pool.push(Task::Register(Box::new(job))));
+            self.registry.sessions().retain(|session| {
+                if session.wake() {
+                    self.pool.push(Task::Frame(Arc::clone(session)));
+                }
+                session.has_host()
+            });
             if shutdown.is_requested() { CallbackProgression::Stop } else { CallbackProgression::Continue }
         };
         // The first wait installs the handlers of signals; only then may somebody count on them.

@@ -5,7 +5,7 @@ use iceoryx2::{
     prelude::{AllocationStrategy, Node, PortFactory},
 };
 use untangled_proto::{
-    limits,
+    limits, memory,
     names::{self, SessionService},
     paths::{PathPoint, PathRecord, PathsHeader, path_type},
     services::{self, Ipc, PathsService},
@@ -13,7 +13,7 @@ use untangled_proto::{
 
 use crate::paths::{IntersectionPaths, PathCopy, PathType};
 
-use super::{error::ServeError, publish::pair_index};
+use super::{error::ServeError, publish::pair_index, throttle::Throttle};
 
 /// A session's paths service. It has no port, and costs nothing per frame, until somebody listens.
 #[derive(Debug)]
@@ -38,14 +38,17 @@ impl PathsPort {
             return;
         }
         if let Err(error) = self.try_publish(frame, paths) {
-            tracing::warn!(%error, frame, "publishing paths");
+            static FAILED: Throttle = Throttle::new();
+            if let Some(num_suppressed) = FAILED.admit() {
+                tracing::warn!(%error, frame, num_suppressed, "publishing paths");
+            }
         }
     }
 
     fn try_publish(&mut self, frame: u64, paths: &IntersectionPaths) -> Result<(), ServeError> {
         let header = encode(frame, paths, &mut self.bytes);
         let needed = (self.bytes.len() as u64 * 2).saturating_mul(3 + 2 * limits::PATHS_SUBSCRIBERS as u64);
-        if limits::free_shared_memory().is_ok_and(|free| free < needed) {
+        if memory::free().is_ok_and(|free| free < needed) {
             return Err(ServeError::transport("loaning a sample", &"shared memory is full"));
         }
         let publisher = match &mut self.publisher {

@@ -6,7 +6,7 @@ use iceoryx2::{
     sample::Sample,
 };
 use untangled_proto::{
-    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    CorrectionHeader, Domain, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection, memory,
     names::{self, SessionService},
     services::{self, CorrectionService, Event, Ipc, States},
 };
@@ -15,8 +15,9 @@ use crate::{frame::Frame, mesh::Mesh};
 
 use super::{
     clock::StageClock,
-    error::ServeError,
+    error::{Refusal, ServeError},
     ingest::{self, StateFault},
+    throttle::Throttle,
 };
 
 /// Where positions come from, in the precision that the host chose.
@@ -55,6 +56,14 @@ impl StatePort {
         }
     }
 
+    /// Whether a state has come.
+    pub(super) fn has_state(&self) -> bool {
+        match self {
+            Self::F32(states) => states.has_state(),
+            Self::F64(states) => states.has_state(),
+        }
+    }
+
     /// The newest state that has come, copied and checked into `frame`.
     pub(super) fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
         match self {
@@ -84,9 +93,23 @@ impl<P: std::fmt::Debug + ZeroCopySend + 'static> Subscription<P> {
     /// The buffer has room for one state, the newest: what it overtook is gone.
     fn newest(&self) -> Option<Sample<Ipc, [P], StateHeader>> {
         self.subscriber.receive().unwrap_or_else(|error| {
-            tracing::warn!(?error, "receiving a state");
+            warn(&error);
             None
         })
+    }
+
+    fn has_state(&self) -> bool {
+        self.subscriber.has_samples().unwrap_or_else(|error| {
+            warn(&error);
+            false
+        })
+    }
+}
+
+fn warn(error: &dyn std::fmt::Debug) {
+    static FAILED: Throttle = Throttle::new();
+    if let Some(num_suppressed) = FAILED.admit() {
+        tracing::warn!(?error, num_suppressed, "receiving a state");
     }
 }
 
@@ -102,31 +125,41 @@ pub(super) struct CorrectionPort {
 impl CorrectionPort {
     pub(super) fn create(
         node: &Node<Ipc>,
+        domain: &Domain,
         instance: u64,
         session: u64,
         num_vertices: usize,
-    ) -> Result<Self, ServeError> {
+    ) -> Result<Self, Refusal> {
+        let failed =
+            |what, error: &dyn std::fmt::Debug| Refusal::new(Status::Internal, format_args!("{what}: {error:?}"));
         let name = |service| names::session(instance, session, service);
         let event = services::create_session_event(node, &name(SessionService::Event))
-            .map_err(|error| ServeError::transport("creating the session's event", &error))?;
-        let notifier =
-            event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
+            .map_err(|error| failed("creating the session's event", &error))?;
+        let notifier = event.notifier_builder().create().map_err(|error| failed("creating a notifier", &error))?;
         let service = services::create_corrections(node, &name(SessionService::Correction))
-            .map_err(|error| ServeError::transport("creating the correction service", &error))?;
+            .map_err(|error| failed("creating the correction service", &error))?;
         let publisher = service
             .publisher_builder()
             .initial_max_slice_len(num_vertices)
             .max_loaned_samples(1)
             .create()
-            .map_err(|error| ServeError::transport("creating a publisher", &error))?;
+            .map_err(|error| failed("creating a publisher", &error))?;
+        memory::commit(domain, publisher.id().value()).map_err(|error| match error.kind() {
+            std::io::ErrorKind::StorageFull => Refusal::new(
+                Status::NotEnoughMemory,
+                format_args!("{} has no room for the session's corrections: {error}", memory::FOLDER),
+            ),
+            _ => failed("taking shared memory", &error),
+        })?;
         Ok(Self { publisher, notifier, _service: service, _event: event })
     }
 
-    /// Writes a correction in place, its header last with the times up to there, sends it, and wakes the host.
+    /// Writes a correction in place, its header last with the times up to there, notes it, sends it, and wakes the host.
     pub(super) fn send(
         &self,
         header: &mut CorrectionHeader,
         clock: &mut StageClock,
+        record: impl FnOnce(&CorrectionHeader),
         vertex: impl FnMut(usize) -> VertexCorrection,
     ) -> Result<(), ServeError> {
         let sample = self
@@ -136,6 +169,8 @@ impl CorrectionPort {
         let mut sample = sample.write_from_fn(vertex);
         header.stage_ns = clock.finish();
         *sample.user_header_mut() = *header;
+        // Before it is sent: whoever has the correction finds it counted.
+        record(header);
         sample.send().map_err(|error| ServeError::transport("sending a correction", &error))?;
         // A listener that can't be reached is a host that is gone.
         let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_CORRECTION));

@@ -2,7 +2,7 @@
 
 use untangled_proto::{
     CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
-    correction::{NO_FAULT, flags, pair_type},
+    correction::{NO_FAULT, TRUNCATED, flags, pair_type},
 };
 
 use crate::{
@@ -43,6 +43,7 @@ pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
     for pair in &analysis.paths.pairs {
         num_pairs[pair_index(pair.pair_type)] += 1;
     }
+    let left_out = corrections.left_out;
     let per_second2 = 1.0 / (state.dt_s * state.dt_s);
     CorrectionHeader {
         frame: state.frame,
@@ -50,6 +51,7 @@ pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         dt_s: state.dt_s,
         status: Status::Ok.code(),
         kind: kind as u32,
+        flags: if left_out.num_pairs > 0 { TRUNCATED } else { 0 },
         num_vertices: state.num_vertices,
         fault_index: NO_FAULT,
         num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,
@@ -60,6 +62,8 @@ pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         net_force_n: (corrections.net_force * per_second2).into(),
         net_torque_nm: (corrections.net_torque * per_second2).into(),
         num_pairs,
+        num_pairs_left_out: left_out.num_pairs as u64,
+        length_left_out_m: left_out.length_m,
         ..CorrectionHeader::default()
     }
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use figment::{Figment, providers::Serialized};
 use untangled_proto::{
-    CorrectionKind, Precision, RegisterParams, Status, limits,
+    CorrectionKind, Precision, RegisterParams, Status, limits, memory,
     sections::{SectionError, Sections, id},
 };
 
 use crate::{
     mesh::{Mesh, MeshDescription, Uvs},
-    settings::Settings,
+    settings::{Quality, Settings},
 };
 
 use super::{ServeOptions, error::Refusal};
@@ -77,12 +77,7 @@ pub(super) fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Resul
     let copy = bytes.to_vec();
     let chosen: serde_json::Map<String, serde_json::Value> =
         serde_json::from_slice(&copy).map_err(|error| refused(&error))?;
-    let settings: Settings = Figment::from(Serialized::defaults(&options.settings))
-        .merge(Serialized::defaults(chosen))
-        .extract()
-        .map_err(|error| refused(&error))?;
-    settings.validate().map_err(|error| refused(&error))?;
-    Ok(settings)
+    overlay(&options.settings, chosen).map_err(|words| refused(&words))
 }
 
 fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescription, Refusal> {
@@ -111,7 +106,7 @@ fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescr
 
 fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) -> Result<(), Refusal> {
     let needed = limits::session_bytes(num_vertices, precision);
-    match limits::free_shared_memory() {
+    match memory::free() {
         Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
             Status::NotEnoughMemory,
             format_args!(
@@ -120,5 +115,38 @@ fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) 
         )),
         Ok(_) => Ok(()),
         Err(error) => Err(Refusal::new(Status::Internal, format_args!("/dev/shm: {error}"))),
+    }
+}
+
+/// Settings by name, laid over others; the name `quality` stands for its knobs, over which the others lie. Refused in words.
+fn overlay(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::Value>) -> Result<Settings, String> {
+    let mut base = settings.clone();
+    if let Some(quality) = chosen.remove("quality") {
+        let quality = Figment::from(Serialized::default("quality", quality)).extract_inner::<Quality>("quality");
+        quality.map_err(|error| error.to_string())?.apply(&mut base);
+    }
+    let layers = Figment::from(Serialized::defaults(base)).merge(Serialized::defaults(chosen));
+    let settings: Settings = layers.extract().map_err(|error| error.to_string())?;
+    settings.validate().map_err(|error| error.to_string())?;
+    Ok(settings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Response;
+
+    #[test]
+    fn single_knobs_lie_over_a_quality_and_that_over_the_defaults() {
+        let chosen = |text: &str| overlay(&Settings::default(), serde_json::from_str(text).unwrap());
+        let mut fast = Settings::default();
+        Quality::Fast.apply(&mut fast);
+        assert_eq!(chosen(r#"{"quality": "fast"}"#).unwrap(), fast);
+        let settings = chosen(r#"{"path_rings": 9, "quality": "fast", "response": "mask"}"#).unwrap();
+        assert_eq!(settings, Settings { path_rings: 9, response: Response::Mask, ..fast });
+        assert_eq!(chosen("{}").unwrap(), Settings::default());
+        for bad in [r#"{"quality": "best"}"#, r#"{"quality": 3}"#, r#"{"deadline_us": 0}"#, r#"{"deadline_us": -1}"#] {
+            assert!(chosen(bad).is_err(), "{bad}");
+        }
     }
 }

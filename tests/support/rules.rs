@@ -164,7 +164,8 @@ fn regions_hold_no_loop_vertex(analysis: &Analysis) {
             }
         }
         let has_region = !matches!(copy.path_type, PathType::BoundaryInside | PathType::InsideInside);
-        assert_eq!(regions.by_copy[at].is_some(), has_region);
+        let is_joint = regions.by_copy[at].as_ref().is_some_and(|region| region.joint);
+        assert_eq!(regions.by_copy[at].is_some(), has_region || is_joint);
         assert!(inside.is_empty() || regions.by_copy[at].as_ref().is_some_and(|region| region.partitioning));
     }
 }

@@ -7,7 +7,7 @@ use iceoryx2::{
     prelude::{CallbackProgression, Node, NodeState, PortFactory, ZeroCopySend},
 };
 use untangled_proto::{
-    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    CorrectionHeader, Domain, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
     names::{self, SessionService},
     services::{self, CorrectionService, Ipc},
 };
@@ -15,7 +15,7 @@ use untangled_proto::{
 use crate::{
     error::RequestError,
     registration::Registration,
-    request::{Reply, check_memory},
+    request::{Reply, check_memory, commit_memory},
 };
 
 /// Where positions are written.
@@ -39,8 +39,14 @@ pub(crate) struct Link {
 
 impl Link {
     /// Opens the services that a registration's reply names.
-    pub(crate) fn open(node: &Node<Ipc>, reply: &Reply, registration: &Registration) -> Result<Self, RequestError> {
-        check_memory(registration.state_segment_bytes())?;
+    pub(crate) fn open(
+        node: &Node<Ipc>,
+        domain: &Domain,
+        reply: &Reply,
+        registration: &Registration,
+    ) -> Result<Self, RequestError> {
+        let needed = registration.state_segment_bytes();
+        check_memory(needed)?;
         let session = reply.header.session;
         let name = |service| names::session(reply.header.instance, session, service);
         let service = services::open_corrections(node, &name(SessionService::Correction))
@@ -59,6 +65,11 @@ impl Link {
             Precision::F32 => StatePort::F32(publisher(node, &states, registration.num_vertices)?),
             Precision::F64 => StatePort::F64(publisher(node, &states, registration.num_vertices)?),
         };
+        let port_id = match &states {
+            StatePort::F32(publisher) => publisher.id().value(),
+            StatePort::F64(publisher) => publisher.id().value(),
+        };
+        commit_memory(domain, port_id, needed)?;
         Ok(Self { session, states, corrections, listener, checked: Instant::now(), service })
     }
 

@@ -8,7 +8,7 @@ use iceoryx2::{
     port::{client::Client as RequestPort, listener::Listener},
 };
 use untangled_proto::{
-    PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names, services::Ipc,
+    Domain, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, memory, names, services::Ipc,
 };
 
 use crate::{client::Shared, error::RequestError};
@@ -44,7 +44,8 @@ impl Pending {
     ) -> Result<Self, RequestError> {
         let server =
             shared.server().ok_or_else(|| RequestError::NoDaemon { domain: shared.domain.name().to_owned() })?;
-        check_memory(limits::request_segment_bytes(payload.len()))?;
+        let needed = limits::request_segment_bytes(payload.len());
+        check_memory(needed)?;
         // Listening begins before the request leaves, so that the reply's event can't be missed.
         let listener = shared
             .replies
@@ -57,6 +58,7 @@ impl Pending {
             .initial_max_slice_len(payload.len().max(1))
             .create()
             .map_err(|error| RequestError::transport("creating a request port", &error))?;
+        commit_memory(&shared.domain, port.id().value(), needed)?;
         let mut request = port
             .loan_slice_uninit(payload.len())
             .map_err(|error| RequestError::transport("loaning a request", &error))?;
@@ -116,11 +118,22 @@ impl Pending {
     }
 }
 
-/// Whether shared memory holds this much more. Asked before each port is made, since running out of it later ends the process.
+/// Whether shared memory holds this much more. Asked before each port is made, since making it already writes a little.
 pub(crate) fn check_memory(needed: u64) -> Result<(), RequestError> {
-    match limits::free_shared_memory() {
+    match memory::free() {
         Ok(free) if free < needed => Err(RequestError::NotEnoughMemory { needed, free }),
         // Where the system does not say, nothing is known against it.
         _ => Ok(()),
+    }
+}
+
+/// Takes the shared memory of a port, which must be dropped on an error: running out of it later would end the process.
+pub(crate) fn commit_memory(domain: &Domain, port_id: u128, needed: u64) -> Result<(), RequestError> {
+    match memory::commit(domain, port_id) {
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::StorageFull => {
+            Err(RequestError::NotEnoughMemory { needed, free: memory::free().unwrap_or(0) })
+        }
+        Err(error) => Err(RequestError::transport("taking shared memory", &error)),
     }
 }

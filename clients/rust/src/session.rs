@@ -67,7 +67,7 @@ impl Session {
         let (payload, num_sections) = registration.encode();
         let pending = Pending::send(&shared, RequestKind::Register, 0, &payload, num_sections)?;
         let reply = pending.wait(&shared, deadline)?;
-        let link = Link::open(&shared.node, &reply, &registration)?;
+        let link = Link::open(&shared.node, &shared.domain, &reply, &registration)?;
         Ok(Self { state: State::Live(Box::new(link)), registration, frame: 0, num_registrations: 1, shared })
     }
 
@@ -288,7 +288,7 @@ impl Session {
                 }
                 State::Pending(pending) => match pending.poll(&self.shared, deadline) {
                     Ok(Some(reply)) => {
-                        let link = Link::open(&self.shared.node, &reply, &self.registration);
+                        let link = Link::open(&self.shared.node, &self.shared.domain, &reply, &self.registration);
                         self.state = State::Lost;
                         let link = match link {
                             // That daemon is gone as well.

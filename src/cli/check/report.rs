@@ -115,7 +115,9 @@ impl Report {
         let Analysis { intersections, paths, regions } = analysis;
         let copy_report = |at: usize| {
             let copy = &paths.copies[at];
-            let region = regions.by_copy[at].as_ref();
+            // II and BI have no region of their own, even where both paths of a pair bound one together.
+            let has_own = !matches!(copy.path_type, PathType::InsideInside | PathType::BoundaryInside);
+            let region = regions.by_copy[at].as_ref().filter(|_| has_own);
             CopyReport {
                 path_type: copy.path_type,
                 num_segments: copy.segments.len(),

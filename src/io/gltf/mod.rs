@@ -31,7 +31,16 @@ pub(super) use write::GltfDocument;
 
 /// Parses a whole file; buffers of their own are looked for in `folder`.
 pub(super) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(Parsed, GltfDocument), ReadErrorKind> {
-    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice(&source)?;
+    // The reader takes the length of the header from the length that a binary file claims, unchecked.
+    if let Some(&[b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d]) = source.first_chunk::<12>()
+        && u32::from_le_bytes([a, b, c, d]) < 12
+    {
+        return Err(ReadErrorKind::Malformed("the header says that the file is shorter than its header".into()));
+    }
+    // Its arithmetic on lengths that a file claims is unchecked elsewhere too, which debug builds turn into panics.
+    let read = std::panic::catch_unwind(|| ::gltf::Gltf::from_slice(&source));
+    let ::gltf::Gltf { document, blob } =
+        read.map_err(|_| ReadErrorKind::Malformed("lengths in it contradict each other".into()))??;
     let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
     let buffers = Buffers::load(&document, folder, blob)?;
     let mut builder = Builder { document: &document, buffers: &buffers, parsed: Parsed::default(), blocks: Vec::new() };

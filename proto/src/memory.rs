@@ -1,0 +1,125 @@
+//! Shared memory that is there when it is written to.
+//!
+//! The system hands out the pages of a segment when they are first touched, and where it has none left it ends the process with SIGBUS.
+//! So whoever makes a port asks first whether there is room, and then takes all of it.
+
+use std::{
+    fs::{File, OpenOptions, Permissions},
+    io::{Error, ErrorKind, Result},
+    os::unix::fs::{MetadataExt, PermissionsExt},
+    path::Path,
+};
+
+use rustix::{
+    fs::{FallocateFlags, fallocate},
+    io::Errno,
+};
+
+use crate::Domain;
+
+/// Where segments are files.
+pub const FOLDER: &str = "/dev/shm";
+
+/// Free shared memory in bytes.
+///
+/// # Errors
+/// What the system says about [`FOLDER`].
+pub fn free() -> Result<u64> {
+    let stat = rustix::fs::statvfs(FOLDER)?;
+    Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
+}
+
+/// Closes what iceoryx2 leaves open to other users: the file with its version number. Others that make nodes know it already.
+///
+/// # Errors
+/// What the system says.
+pub fn close_to_others(domain: &Domain) -> Result<()> {
+    for entry in std::fs::read_dir(FOLDER)?.flatten() {
+        let ours = entry.file_name().as_encoded_bytes().starts_with(domain.prefix().as_bytes());
+        let Ok(metadata) = entry.metadata() else { continue };
+        if ours && metadata.is_file() && metadata.mode() & 0o077 != 0 {
+            match std::fs::set_permissions(entry.path(), Permissions::from_mode(metadata.mode() & 0o700)) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Takes all pages of the segments of a port, so that no later write to them can fail. Returns their bytes.
+///
+/// Cost: the system clears each page.
+///
+/// # Errors
+/// [`ErrorKind::StorageFull`] where there is no room; drop the port then.
+pub fn commit(domain: &Domain, port_id: u128) -> Result<u64> {
+    commit_first(domain, port_id, u64::MAX)
+}
+
+/// As [`commit`], but no more than the first so many bytes of each segment: for ports with room for more than is ever used at a time.
+/// Samples are handed out from the front.
+///
+/// # Errors
+/// As [`commit`].
+pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
+    let port = port_id.to_string();
+    let mut bytes = 0;
+    for entry in std::fs::read_dir(FOLDER)?.flatten() {
+        let name = entry.file_name();
+        let Some(name) = name.to_str() else { continue };
+        // Connections of the port have its id in their names as well, and are written to by both sides.
+        if name.starts_with(domain.prefix()) && name.contains(&port) {
+            match OpenOptions::new().read(true).write(true).open(entry.path()) {
+                Ok(file) => bytes += commit_file(&file, &entry.path(), most)?,
+                // Others may come and go.
+                Err(error) if error.kind() == ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Ok(bytes)
+}
+
+fn commit_file(file: &File, path: &Path, most: u64) -> Result<u64> {
+    let metadata = file.metadata()?;
+    let length = metadata.len().min(most);
+    if length == 0 || metadata.blocks().saturating_mul(512) >= metadata.len() {
+        return Ok(length);
+    }
+    loop {
+        match fallocate(file, FallocateFlags::empty(), 0, length) {
+            Ok(()) => return Ok(length),
+            Err(Errno::INTR) => {}
+            Err(error) => {
+                let error = Error::from(error);
+                return Err(Error::new(error.kind(), format!("{}: {error}", path.display())));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_segment_is_taken_whole() {
+        let domain = Domain::new(&format!("memory-{}", std::process::id()), None, 7).unwrap();
+        let path = Path::new(FOLDER).join(format!("{}{}.data", domain.prefix(), 1234));
+        let file = File::create(&path).unwrap();
+        file.set_len(1 << 20).unwrap();
+        assert_eq!(file.metadata().unwrap().blocks(), 0, "nothing was touched yet");
+        assert_eq!(commit(&domain, 77).unwrap(), 0, "another port's");
+        assert_eq!(commit_first(&domain, 1234, 8192).unwrap(), 8192);
+        assert_eq!(file.metadata().unwrap().blocks(), 16);
+        let committed = commit(&domain, 1234);
+        let blocks = file.metadata().unwrap().blocks();
+        // A size that no system has: the error is a word, not a signal.
+        file.set_len(1 << 50).unwrap();
+        let refused = commit(&domain, 1234).unwrap_err();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!((committed.unwrap(), blocks), (1 << 20, 2048));
+        assert_eq!(refused.kind(), ErrorKind::StorageFull, "{refused}");
+    }
+}

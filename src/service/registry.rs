@@ -1,0 +1,138 @@
+//! The sessions of a daemon, and how one is opened.
+
+use std::{
+    collections::hash_map::RandomState,
+    hash::BuildHasher,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use iceoryx2::prelude::Node;
+use untangled_proto::{Status, sections::Sections, services::Ipc};
+
+use super::{ServeOptions, error::Refusal, register, session::Session, throttle::Throttle};
+
+/// What all threads of a daemon share. Fields are dropped in order: sessions before the node.
+#[derive(Debug)]
+pub(super) struct Registry {
+    sessions: Mutex<Vec<Arc<Session>>>,
+    node: Arc<Node<Ipc>>,
+    options: ServeOptions,
+    /// Tells this run of the daemon from any other.
+    instance: u64,
+    num_registered: AtomicU64,
+    num_registering: AtomicUsize,
+    num_refused_requests: AtomicU64,
+    started: Instant,
+}
+
+impl Registry {
+    pub(super) fn new(node: Arc<Node<Ipc>>, options: ServeOptions) -> Self {
+        Self {
+            sessions: Mutex::default(),
+            node,
+            options,
+            instance: RandomState::new().hash_one(std::process::id()),
+            num_registered: AtomicU64::new(0),
+            num_registering: AtomicUsize::new(0),
+            num_refused_requests: AtomicU64::new(0),
+            started: Instant::now(),
+        }
+    }
+
+    pub(super) fn options(&self) -> &ServeOptions {
+        &self.options
+    }
+
+    pub(super) fn instance(&self) -> u64 {
+        self.instance
+    }
+
+    pub(super) fn uptime(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    pub(super) fn num_registered(&self) -> u64 {
+        self.num_registered.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn num_refused_requests(&self) -> u64 {
+        self.num_refused_requests.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn count_refused_request(&self) {
+        self.num_refused_requests.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The sessions that are open. Whoever holds this holds up everybody: not for long.
+    pub(super) fn sessions(&self) -> MutexGuard<'_, Vec<Arc<Session>>> {
+        self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn find(&self, id: u64) -> Result<Arc<Session>, Refusal> {
+        let sessions = self.sessions();
+        let found = sessions.iter().find(|session| session.id() == id).map(Arc::clone);
+        found.ok_or_else(|| Refusal::new(Status::UnknownSession, format_args!("there is no session {id}")))
+    }
+
+    /// Ends a session; a frame in work is still answered.
+    pub(super) fn close(&self, id: u64) -> Result<(), Refusal> {
+        static CLOSED: Throttle = Throttle::new();
+        let session = self.find(id)?;
+        self.sessions().retain(|other| !Arc::ptr_eq(other, &session));
+        if let Some(num_suppressed) = CLOSED.admit() {
+            tracing::info!(session = id, num_suppressed, "session closed");
+        }
+        Ok(())
+    }
+
+    /// Opens a session.
+    pub(super) fn register(&self, sections: &Sections<'_>) -> Result<u64, Refusal> {
+        static REGISTERED: Throttle = Throttle::new();
+        let _place = self.take_place()?;
+        let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
+        let registered = register::read(sections, &self.options, promised)?;
+        let id = self.num_registered.fetch_add(1, Ordering::Relaxed) + 1;
+        let session = Session::create(&self.node, &self.options.domain, self.instance, id, registered)?;
+        if let Some(num_suppressed) = REGISTERED.admit() {
+            tracing::info!(
+                session = id,
+                num_vertices = session.mesh().num_vertices(),
+                num_faces = session.mesh().num_faces(),
+                num_suppressed,
+                "session registered"
+            );
+        }
+        self.sessions().push(Arc::new(session));
+        Ok(id)
+    }
+
+    /// A place for one more session, while it is being registered.
+    fn take_place(&self) -> Result<Place<'_>, Refusal> {
+        let limit = self.options.max_sessions;
+        let sessions = self.sessions();
+        let place = Place::take(&self.num_registering);
+        if sessions.len() + self.num_registering.load(Ordering::Relaxed) > limit {
+            return Err(Refusal::new(Status::TooManySessions, format_args!("{limit} sessions are open already")));
+        }
+        Ok(place)
+    }
+}
+
+struct Place<'a>(&'a AtomicUsize);
+
+impl<'a> Place<'a> {
+    fn take(count: &'a AtomicUsize) -> Self {
+        count.fetch_add(1, Ordering::Relaxed);
+        Self(count)
+    }
+}
+
+impl Drop for Place<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,182 @@
+//! Watching a daemon: status, metrics, logs, and what systemd hears.
+
+#![allow(clippy::unwrap_used, reason = "what goes wrong fails a test")]
+
+#[path = "support/daemon.rs"]
+mod support;
+
+use std::{
+    io::{BufRead, BufReader, Read, Write},
+    net::TcpStream,
+    os::unix::net::UnixDatagram,
+    process::{Child, Command, Stdio},
+};
+
+use rustix::process::{Signal, kill_process};
+use serde_json::Value;
+use support::{DEADLINE, Daemon, STEP, TestDomain, command, fill_flat, request, sheet};
+use untangled_client::StepTime;
+use untangled_proto::{PROTOCOL_VERSION, RequestHeader, Status};
+
+/// A daemon whose log is kept.
+struct Logging {
+    child: Child,
+    lines: Box<dyn Iterator<Item = String> + Send>,
+}
+
+impl Logging {
+    fn start(mut command: Command) -> Self {
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        Self { child, lines: Box::new(lines.map_while(Result::ok)) }
+    }
+
+    fn wait_for(&mut self, what: &str) -> String {
+        let found = self.lines.by_ref().find(|line| line.contains(what));
+        found.unwrap_or_else(|| panic!("the daemon ended without `{what}`"))
+    }
+
+    /// Ends the daemon and returns the rest of its log.
+    fn stop(mut self) -> Vec<String> {
+        kill_process(support::pid(&self.child), Signal::TERM).unwrap();
+        let rest = self.lines.by_ref().collect();
+        assert!(self.child.wait().unwrap().success());
+        rest
+    }
+}
+
+impl Drop for Logging {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn http(address: &str, request: &str) -> String {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+#[test]
+fn metrics_are_prometheus_text() {
+    let domain = TestDomain::new();
+    let mut serve = command(&domain);
+    serve.args(["--metrics", "127.0.0.1:0"]);
+    let mut daemon = Logging::start(serve);
+    let line = daemon.wait_for("metrics at http://");
+    let address = line.split("http://").nth(1).unwrap().split('/').next().unwrap().to_owned();
+    daemon.wait_for("ready");
+    let mut session = domain.connect().register(sheet(4)).unwrap();
+    (0..3).for_each(|_| drop(session.exchange(STEP, DEADLINE, fill_flat).unwrap()));
+    session.exchange(StepTime { dt_s: -1.0, ..STEP }, DEADLINE, fill_flat).unwrap_err();
+    let answer = http(&address, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+    assert!(head.starts_with("HTTP/1.1 200") && head.contains("version=0.0.4"), "{head}");
+    for line in [
+        "untangled_sessions 1",
+        "untangled_sessions_registered_total 1",
+        "untangled_frames_total{session=\"1\"} 4",
+        "untangled_frames_refused_total{session=\"1\"} 1",
+        "untangled_vertices{session=\"1\"} 25",
+        "# TYPE untangled_stage_seconds_total counter",
+    ] {
+        assert!(body.lines().any(|other| other == line), "{line} is missing in\n{body}");
+    }
+    // Each line is a comment, or a name, maybe labels, and a number.
+    for line in body.lines().filter(|line| !line.starts_with('#')) {
+        assert!(line.rsplit(' ').next().unwrap().parse::<f64>().is_ok(), "{line}");
+    }
+    assert!(http(&address, "GET /other HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
+    assert!(http(&address, "POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 400"));
+    assert!(http(&address, "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
+    // Somebody who says nothing keeps others out for a second, and frames not at all.
+    let _silent = TcpStream::connect(&address).unwrap();
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    assert!(http(&address, "GET / HTTP/1.0\r\n\r\n").starts_with("HTTP/1.1 200"));
+    drop(session);
+    daemon.stop();
+}
+
+#[test]
+fn metrics_are_not_for_other_machines() {
+    let domain = TestDomain::new();
+    let output = command(&domain).args(["--metrics", "0.0.0.0:0"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("0.0.0.0:0"));
+}
+
+#[test]
+fn status_goes_on_until_the_daemon_ends() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let mut session = domain.connect().register(sheet(4)).unwrap();
+    let mut watching = Command::new(env!("CARGO_BIN_EXE_untangled"))
+        .args(["status", "--domain", domain.name(), "--json", "--watch", "0.1"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(watching.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let mut frames = || {
+        let report: Value = serde_json::from_str(&lines.next().unwrap()).unwrap();
+        assert_eq!(report["schema"], "untangled.status/1");
+        report["num_frames"].as_u64().unwrap()
+    };
+    assert_eq!(frames(), 0);
+    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    while frames() == 0 {}
+    drop(session);
+    assert!(daemon.stop(Signal::TERM).success());
+    while lines.next().is_some() {}
+    assert_eq!(watching.wait().unwrap().code(), Some(2), "the daemon is gone, and that is said");
+    let table = Command::new(env!("CARGO_BIN_EXE_untangled")).args(["status", "--watch", "0"]).output().unwrap();
+    assert_eq!(table.status.code(), Some(2));
+}
+
+#[test]
+fn systemd_hears_when_it_serves_and_when_it_ends() {
+    let domain = TestDomain::new();
+    let path = std::env::temp_dir().join(format!("{}.notify", domain.name()));
+    let socket = UnixDatagram::bind(&path).unwrap();
+    socket.set_read_timeout(Some(DEADLINE)).unwrap();
+    let mut serve = command(&domain);
+    serve.env("NOTIFY_SOCKET", &path);
+    let daemon = Logging::start(serve);
+    let receive = || {
+        let mut buffer = [0; 256];
+        let length = socket.recv(&mut buffer).unwrap();
+        String::from_utf8(buffer[..length].to_vec()).unwrap()
+    };
+    assert!(receive().contains("READY=1"));
+    domain.connect().register(sheet(2)).unwrap();
+    daemon.stop();
+    assert!(receive().contains("STOPPING=1"));
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn logs_are_json_and_a_peer_can_not_flood_them() {
+    let domain = TestDomain::new();
+    let mut serve = command(&domain);
+    serve.env("UNTANGLED_TELEMETRY__FORMAT", "json");
+    let mut daemon = Logging::start(serve);
+    daemon.wait_for("ready");
+    let mut session = domain.connect().register(sheet(2)).unwrap();
+    for _ in 0..500 {
+        session.exchange(StepTime { dt_s: f64::NAN, ..STEP }, DEADLINE, fill_flat).unwrap_err();
+    }
+    for _ in 0..50 {
+        let header = RequestHeader { protocol_version: PROTOCOL_VERSION, kind: 77, ..RequestHeader::default() };
+        assert_eq!(request(&domain, header, &[]).0.status, Status::BadRequest.code());
+    }
+    drop(session);
+    let lines: Vec<Value> = daemon.stop().iter().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let count = |message: &str| lines.iter().filter(|line| line["fields"]["message"] == message).count();
+    // Ten at once and one a second after that; this takes seconds at most.
+    assert!((1..100).contains(&count("frame refused")), "{}", count("frame refused"));
+    assert!((1..50).contains(&count("request refused")), "{}", count("request refused"));
+    assert!(lines.iter().any(|line| line["fields"]["num_suppressed"].is_u64()));
+}
