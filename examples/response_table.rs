@@ -1,7 +1,7 @@
 //! What corrections do in a simulator that has self-contact of its own: scene by scene, method by method, with controls.
 //!
 //! ```sh
-//! cargo run --release --example response_table -- [--steps N] [--seeds N] [--edge METRES] [--markdown] [FILE...]
+//! cargo run --release --example response_table -- [--steps N] [--seeds N] [--edge METRES] [--only METHOD] [--verbose] [--markdown] [FILE...]
 //! cargo run --release --example response_table -- --markdown > docs/RESPONSE.md
 //! ```
 //!
@@ -79,7 +79,8 @@ struct Run {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut most, mut seeds, mut edge_m, mut markdown) = (200, 1, 0.025, false);
+    let (mut most, mut seeds, mut edge_m, mut markdown, mut verbose) = (200, 1, 0.025, false, false);
+    let mut only = String::new();
     let mut files = Vec::new();
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -88,19 +89,27 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--steps" => most = value()?.parse()?,
             "--seeds" => seeds = value()?.parse()?,
             "--edge" => edge_m = value()?.parse()?,
+            "--only" => only = value()?,
+            "--verbose" => verbose = true,
             "--markdown" => markdown = true,
             _ => files.push(argument),
         }
     }
     print_head(markdown, most, edge_m);
+    let methods = || METHODS.into_iter().filter(|method| method.name.starts_with(&only));
     if files.is_empty() {
         for (name, path_type) in SCENES {
             let scene: Scene = name.parse()?;
             for seed in 1..=seeds {
                 let label =
                     format!("{name} ({path_type})") + &if seeds > 1 { format!(" #{seed}") } else { String::new() };
-                for method in METHODS {
-                    print_row(&label, method.name, &run(scene.build(seed, edge_m), 9.81, method, most)?, markdown);
+                for method in methods() {
+                    print_row(
+                        &label,
+                        method.name,
+                        &run(scene.build(seed, edge_m), 9.81, method, most, verbose)?,
+                        markdown,
+                    );
                 }
             }
         }
@@ -108,8 +117,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in files {
         let label =
             Path::new(&file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
-        for method in METHODS {
-            match obj::read(Path::new(&file)).map_err(Box::from).and_then(|cloth| run(cloth, 0.0, method, most)) {
+        for method in methods() {
+            match obj::read(Path::new(&file))
+                .map_err(Box::from)
+                .and_then(|cloth| run(cloth, 0.0, method, most, verbose))
+            {
                 Ok(run) => print_row(&label, method.name, &run, markdown),
                 Err(error) => println!("{label}: {error}"),
             }
@@ -172,7 +184,7 @@ fn solver(cloth: Cloth, gravity_m_s2: f64) -> Solver {
     Solver::new(cloth, parameters)
 }
 
-fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<Run, Box<dyn Error>> {
+fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
     let mut solver = solver(cloth, gravity_m_s2);
     let cloth = solver.cloth();
     let edges = cloth.edges();
@@ -208,10 +220,15 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize) -> Result<R
         }
         let frame = Frame::new(untangler.mesh(), &points)?;
         let begin = Instant::now();
-        let corrections = untangler.process(&frame, &mut ()).corrections;
+        let outcome = untangler.process(&frame, &mut ());
+        let corrections = outcome.corrections;
         if run.after > 0 {
             run.untangler += begin.elapsed();
             run.busy_steps += 1;
+        }
+        if verbose {
+            let pairs = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments));
+            println!("  {step:>4} {:>5} {:?}", run.after, pairs.collect::<Vec<_>>());
         }
         velocities.clear();
         displacements.clear();

@@ -70,6 +70,53 @@ fn corrections_of_all_shared_files_keep_momenta_and_are_finite() {
     assert!(corrected > 0);
 }
 
+/// Frames of all types of paths, and what a few steps along the forces make of them.
+#[cfg(feature = "daemon")]
+#[test]
+fn corrections_of_generated_scenes_keep_momenta() {
+    use untangled::mesh::MeshDescription;
+    use untangled_publisher::scenes::Scene;
+
+    let (mut worst, mut frames) = ([0.0f64; 2], 0);
+    for (name, seed) in ["bag", "tongue", "curtains", "crease", "twist", "drop", "wedge"]
+        .into_iter()
+        .flat_map(|name| (1..=3).map(move |seed| (name, seed)))
+    {
+        let cloth = name.parse::<Scene>().unwrap().build(seed, 0.04);
+        let mesh = Mesh::new(MeshDescription {
+            num_vertices: cloth.positions.len(),
+            faces: cloth.triangles.clone(),
+            rest_positions: Some(cloth.rest_positions.iter().map(|&position| position.into()).collect()),
+            masses_kg: Some(cloth.masses_kg(0.2)),
+            ..MeshDescription::default()
+        });
+        let mesh = Arc::new(mesh.unwrap());
+        for response in [Response::Rbf, Response::Contour] {
+            let settings = Settings { response, ..Settings::default() };
+            let mut untangler = Untangler::new(mesh.clone(), settings).unwrap();
+            let mut positions = cloth.points();
+            for _ in 0..4 {
+                let frame = Frame::new(&mesh, &positions).unwrap();
+                let corrections = untangler.process(&frame, &mut ()).corrections;
+                let centre = centre(&frame);
+                let moments = frame.positions().iter().zip(&corrections.forces);
+                let moments: f64 = moments.map(|(position, force)| (position - centre).norm() * force.norm()).sum();
+                let forces: f64 = corrections.forces.iter().map(Vector3::norm).sum();
+                worst[0] = worst[0].max(residual(corrections.net_force, forces));
+                worst[1] = worst[1].max(residual(corrections.net_torque, moments));
+                frames += usize::from(forces > 0.0);
+                for ((position, force), mass) in
+                    positions.iter_mut().zip(&corrections.forces).zip(mesh.masses_kg().unwrap())
+                {
+                    *position = (Vector3::from(*position) + force / *mass).into();
+                }
+            }
+        }
+    }
+    println!("{frames} frames: {:.1e} of the forces, {:.1e} of the torques left", worst[0], worst[1]);
+    assert!(frames > 80 && worst.iter().all(|&left| left < 1e-10), "{worst:?} over {frames} frames");
+}
+
 fn centre(frame: &Frame) -> Point3<f64> {
     let sum: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
     Point3::from(sum / frame.positions().len() as f64)

@@ -26,6 +26,8 @@ mod sheets;
 #[cfg(test)]
 mod tests;
 mod track;
+#[cfg(test)]
+mod tube_tests;
 mod unfold;
 
 use std::ops::Range;

@@ -1,4 +1,24 @@
 //! From inside regions and targets to corrections.
+//!
+//! Units: a force is in kg m / step^2, so that force over mass is the displacement of one step; `h` is the mean edge length of the faces that
+//! the path runs through, `m` the mass of the point at which the force acts, `k` and `f_max` are `stiffness_per_step2` and
+//! `max_step_edge_lengths * h`, `o` half the thickness of the cloth, or half of `h` where none is set. The numbers are those of Wicke,
+//! Lanker and Gross (2006).
+//!
+//! | what | force | instead of |
+//! |---|---|---|
+//! | law | `F(d) = min(k (d + o), f_max)` | (4): `max(k d, f_max)`; the text says `min`, and without `o` the force vanishes with the gap, where the cloth's own stiffness stalls it |
+//! | point inside `r` with target `r'` | `+m F(\|r' - r\|) e` at `r`, its opposite at `r'`, `e` from `r` to `r'` | the same; for a region without vertices one point in each face |
+//! | middle of a path segment of length `l` | `2 m F(0) (l / h) e` and its opposite in the other sheet, `e` from conormal to conormal: the limit of the line above on the path | nothing; small regions need it |
+//! | BI, segment `i` | `2 m (s'_i - s_i)` and its opposite in the other sheet; `s'` the mean over the path of `F(h(u)) (-grad h)` on the partner, `s` on its own | (6), (7): on all vertices of the path's faces, which keeps linear momentum only |
+//! | path round two tubes | the same, over the hem of the one that is nearer | nothing: to slip one tube off the other takes no strain |
+//! | BI, and any path without targets | `-f_max m` times the gradient of the path's length (`contour`) | nothing; also where the push cancels |
+//!
+//! Each force acts in a point of a face and is spread over its corners by barycentric weights, and each has an opposite, in the same place or
+//! along the line between both: so linear and angular momentum are kept, exactly but for rounding, and [`Corrections`] says what is left. Then, per
+//! vertex, the sum over all paths is limited to `3 f_max m`, and pinned vertices are left alone; both break the balance, and a host that needs
+//! it looks at [`VertexFlags::CLAMPED`]. CLOSED and LL get each force from both sides, as (4) does when it is applied symmetrically.
+//! Displacements (section 5.2) are means of `0.6 d + o / 2` along `e`, and keep no momentum.
 
 pub(crate) mod contour;
 mod displace;

@@ -50,6 +50,13 @@ impl TestDomain {
         names.filter_map(|name| name.into_string().ok()).filter(|name| name.starts_with(self.0.prefix())).collect()
     }
 
+    /// Bytes of shared memory that the domain has taken.
+    pub fn shared_bytes(&self) -> u64 {
+        use std::os::unix::fs::MetadataExt;
+        let files = self.shared_memory().into_iter().map(|name| PathBuf::from("/dev/shm").join(name));
+        files.filter_map(|path| std::fs::metadata(path).ok()).map(|file| 512 * file.blocks()).sum()
+    }
+
     /// Everything but folders below the domain's root.
     pub fn files(&self) -> Vec<PathBuf> {
         let mut folders = vec![self.0.root().to_owned()];
