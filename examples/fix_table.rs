@@ -2,11 +2,12 @@
 //!
 //! ```sh
 //! cargo run --release --example fix_table -- [--quality fast|balanced|accurate] [--most N] [--motions N] [--subdivide N]
-//!     [--no-uvs] FILE...
+//!     [--no-uvs] [--crumple SQUARES] [--frequency F] [--seed N] [--curve] FILE...
 //! ```
 //!
 //! `--subdivide N` splits every triangle in four, N times, before; `--motions N` takes every mesh N times, each under another random
-//! rigid motion and scale.
+//! rigid motion and scale. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods; `--curve` prints what is left after
+//! each iteration.
 #![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
 
 use std::{collections::HashMap, env, error::Error, ops::ControlFlow, time::Instant};
@@ -31,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut motions, mut levels, mut strip_uvs) = (0u64, 0, false);
     let mut files = Vec::new();
     let mut crumples: Vec<u32> = Vec::new();
+    let (mut frequency, mut seed, mut curve) = (1.6, 1, false);
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
@@ -45,6 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--subdivide" => levels = value()?.parse()?,
             "--no-uvs" => strip_uvs = true,
             "--crumple" => crumples.push(value()?.parse()?),
+            "--frequency" => frequency = value()?.parse()?,
+            "--seed" => seed = value()?.parse()?,
+            "--curve" => curve = true,
             _ => files.push(argument),
         }
     }
@@ -54,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let mut rows: Vec<Row> = Vec::new();
     for squares in crumples {
-        let (description, positions) = crumple(squares);
+        let (description, positions) = crumple(squares, frequency, seed);
         let mesh = Mesh::new(description.clone())?;
         rows.push(run(
             &format!("crumple {} triangles", 2 * squares * squares),
@@ -62,6 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &description,
             &positions,
             &settings,
+            curve,
         )?);
     }
     for file in files {
@@ -83,11 +89,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         };
         if motions == 0 {
-            rows.push(run(&name, &mesh, &description, &positions, &settings)?);
+            rows.push(run(&name, &mesh, &description, &positions, &settings, curve)?);
         }
         for seed in 0..motions {
             let moved = motion(seed, &positions);
-            rows.push(run(&format!("{name} #{seed}"), &mesh, &description, &moved, &settings)?);
+            rows.push(run(&format!("{name} #{seed}"), &mesh, &description, &moved, &settings, curve)?);
         }
     }
     let clean = rows.iter().filter(|row| row.after == 0).count();
@@ -115,6 +121,7 @@ fn run(
     description: &MeshDescription,
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
+    curve: bool,
 ) -> Result<Row, Box<dyn Error>> {
     if let Err(error) = Frame::new(mesh, positions) {
         println!("{name:<28} {error}");
@@ -159,6 +166,11 @@ fn run(
     println!(
         "{name:<28} {before:>8} {after:>6} {iterations:>6} {seconds:>8.2} {shortest:>8.3} {longest:>8.3} {smallest:>8.3} {moved:>8.4}"
     );
+    if curve {
+        let left =
+            relaxation.history.iter().map(|step| format!("{} {:?}", step.num_edge_face_intersections, step.method));
+        println!("  {}", left.collect::<Vec<_>>().join(", ").to_lowercase());
+    }
     Ok(Row { after, iterations, edges: (shortest, longest) })
 }
 
@@ -201,12 +213,12 @@ fn subdivide(description: &MeshDescription, positions: &[[f64; 3]]) -> (MeshDesc
 }
 
 /// A sheet of `squares` by `squares` under waves that push it through itself.
-fn crumple(squares: u32) -> (MeshDescription, Vec<[f64; 3]>) {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+fn crumple(squares: u32, frequency: f64, seed: u64) -> (MeshDescription, Vec<[f64; 3]>) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut waves = Vec::new();
     for _ in 0..8 {
         let mut unit = || random.random_range(-1.0..1.0);
-        waves.push(([unit(), unit(), unit()], [1.6 * unit(), 1.6 * unit()], std::f64::consts::PI * unit()));
+        waves.push(([unit(), unit(), unit()], [frequency * unit(), frequency * unit()], std::f64::consts::PI * unit()));
     }
     let mut positions = Vec::new();
     let mut faces = Vec::new();

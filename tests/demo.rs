@@ -24,6 +24,34 @@ fn the_demonstration_ends_clean_and_leaves_its_files() {
     }
 }
 
+/// Each type of path, by daemon and host, with the control that shows that nothing falls out of its tangle by itself.
+#[test]
+fn every_type_of_path_comes_clean() {
+    for (scene, path_type) in [
+        ("bag", "CLOSED"),
+        ("tongue", "BB/II"),
+        ("curtains", "BI/BI"),
+        ("crease", "LL"),
+        ("twist", "BLI"),
+        ("drop", "EIGHT"),
+        ("wedge", "CROSS"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_untangled"))
+            .args(["demo", "--frames", "100", "--out"])
+            .arg(folder.path())
+            .args(["--", "--edge-m", "0.04", "--scene", scene])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{scene}: {said}{}", String::from_utf8_lossy(&output.stderr));
+        assert!(said.contains("it stays tangled"), "{scene} came clean by itself: {said}");
+        assert!(said.contains(path_type), "{scene} without {path_type}: {said}");
+        let cloth = obj::read(&folder.path().join("after.obj")).unwrap();
+        assert_eq!(count_edge_face(&cloth.points(), &cloth.triangles), Ok(0), "{scene}");
+    }
+}
+
 #[test]
 fn a_file_that_is_no_mesh_is_one_clear_error() {
     let folder = tempfile::tempdir().unwrap();

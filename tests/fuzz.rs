@@ -24,20 +24,20 @@ fn assert_no_find(target: Target, count: u64) {
 
 #[test]
 fn ingest() {
-    assert_no_find(Target::Ingest, 10_000);
+    assert_no_find(Target::Ingest, 4_000);
 }
 
 #[test]
 fn register() {
-    assert_no_find(Target::Register, 10_000);
+    assert_no_find(Target::Register, 1_000);
 }
 
 #[test]
 fn settings() {
-    assert_no_find(Target::Settings, 10_000);
+    assert_no_find(Target::Settings, 1_000);
 }
 
 #[test]
 fn mesh_files() {
-    assert_no_find(Target::MeshFile, 10_000);
+    assert_no_find(Target::MeshFile, 4_000);
 }

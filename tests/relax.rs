@@ -7,10 +7,12 @@ mod support;
 
 use std::ops::ControlFlow;
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use support::scene::Scene;
 use untangled::{
     mesh::{Mesh, MeshDescription},
-    relax::{Quality, RelaxSettings, Relaxation, relax},
+    relax::{Method, Quality, RelaxSettings, Relaxation, relax},
 };
 use untangled_publisher::check::count_edge_face;
 
@@ -61,6 +63,46 @@ fn every_kind_of_path_comes_apart_without_crushing_the_cloth() {
             };
             assert!(area(&relaxation.positions) >= 0.05 * area(&scene.positions), "{name}");
         }
+    }
+}
+
+/// A sheet crumpled so much that no motion of its paths helps.
+fn crumple() -> Scene {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let waves: Vec<([f64; 3], [f64; 2], f64)> = (0..8)
+        .map(|_| {
+            let mut unit = || random.random_range(-1.0..1.0);
+            ([unit(), unit(), unit()], [2.2 * unit(), 2.2 * unit()], std::f64::consts::PI * unit())
+        })
+        .collect();
+    let mut scene = Scene::default();
+    scene.add_grid([0.0, 1.0], [0.0, 1.0], [20, 20], |u, v| {
+        let mut place = [u, v, 0.0];
+        for (direction, frequency, phase) in &waves {
+            let wave = (std::f64::consts::TAU * (frequency[0] * u + frequency[1] * v) + phase).sin();
+            for (value, part) in place.iter_mut().zip(direction) {
+                *value += 0.2 * part * wave;
+            }
+        }
+        place
+    });
+    scene
+}
+
+#[test]
+fn where_nothing_else_helps_the_cloth_is_straightened() {
+    let scene = crumple();
+    assert!(count_edge_face(&scene.positions, &scene.faces).unwrap() > 200);
+    let relaxation = run(&scene, &RelaxSettings::default());
+    assert_eq!(count_edge_face(&relaxation.positions, &scene.faces), Ok(0));
+    assert!(relaxation.history.iter().any(|step| step.method == Method::Straighten));
+    let length = |positions: &[[f64; 3]], a: u32, b: u32| {
+        let [a, b] = [a, b].map(|vertex| nalgebra::Point3::from(positions[vertex as usize]));
+        (b - a).norm()
+    };
+    for [a, b] in scene.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]) {
+        let ratio = length(&relaxation.positions, a, b) / length(&scene.positions, a, b);
+        assert!((0.5..2.0).contains(&ratio), "{ratio}");
     }
 }
 

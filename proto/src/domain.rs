@@ -185,6 +185,9 @@ impl Domain {
         let root = iceoryx2::prelude::Path::new(self.root.as_os_str().as_encoded_bytes()).map_err(|_| refused())?;
         let mut config = Config::default();
         config.global.set_root_path(&root);
+        // The daemon alone cleans up after the dead: it may take long, and a client has deadlines.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|_| refused())?;
         Ok(config)
     }

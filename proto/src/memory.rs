@@ -8,17 +8,25 @@ use std::{
     io::{Error, ErrorKind, Result},
     os::unix::fs::{MetadataExt, PermissionsExt},
     path::Path,
+    time::Duration,
 };
 
 use rustix::{
     fs::{FallocateFlags, fallocate},
     io::Errno,
+    process::{Pid, test_kill_process},
 };
 
 use crate::Domain;
 
 /// Where segments are files.
 pub const FOLDER: &str = "/dev/shm";
+
+/// A segment that is still being made after this long is not being made any more: [`remove_unfinished`].
+pub const UNFINISHED_AGE: Duration = Duration::from_millis(200);
+
+/// How iceoryx2 marks a file that is still being made: its owner may write, and nobody read.
+const UNFINISHED: u32 = 0o200;
 
 /// Free shared memory in bytes.
 ///
@@ -45,6 +53,41 @@ pub fn close_to_others(domain: &Domain) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Removes what processes left that were killed while they made it: no node knows of it, so that the cleaning of dead nodes leaves it behind,
+/// and iceoryx2 0.10 waits without end for a segment that has no length yet. Returns how many files.
+///
+/// A file counts as left if it is still marked as being made, was not written to for `age`, and one of the processes whose ids its name
+/// carries is gone. The age protects processes whose ids can't be seen from here.
+///
+/// Cost: one look at each file of the domain.
+///
+/// # Errors
+/// What the system says about [`FOLDER`].
+pub fn remove_unfinished(domain: &Domain, age: Duration) -> Result<usize> {
+    let mut removed = 0;
+    for entry in std::fs::read_dir(FOLDER)?.flatten() {
+        let name = entry.file_name();
+        let Some(name) = name.to_str().and_then(|name| name.strip_prefix(domain.prefix())) else { continue };
+        // Others may come and go.
+        let Ok(metadata) = entry.metadata() else { continue };
+        let is_old = metadata.modified().is_ok_and(|written| written.elapsed().is_ok_and(|since| since >= age));
+        if metadata.is_file() && metadata.mode() & 0o777 == UNFINISHED && is_old && processes(name).any(is_gone) {
+            removed += usize::from(std::fs::remove_file(entry.path()).is_ok());
+        }
+    }
+    Ok(removed)
+}
+
+/// The processes in the ids of ports and nodes that the name of a segment carries: seconds, nanoseconds, process and counter, 32 bits each.
+fn processes(name: &str) -> impl Iterator<Item = Pid> {
+    let numbers = name.split(['_', '.']).filter_map(|part| part.parse::<u128>().ok());
+    numbers.filter_map(|id| i32::try_from((id >> 64) & u128::from(u32::MAX)).ok().and_then(Pid::from_raw))
+}
+
+fn is_gone(process: Pid) -> bool {
+    test_kill_process(process) == Err(Errno::SRCH)
 }
 
 /// Takes all pages of the segments of a port, so that no later write to them can fail. Returns their bytes.
@@ -102,6 +145,39 @@ fn commit_file(file: &File, path: &Path, most: u64) -> Result<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_left_unfinished_goes() {
+        let domain = Domain::new(&format!("unfinished-{}", std::process::id()), None, 7).unwrap();
+        let mut child = std::process::Command::new("true").spawn().unwrap();
+        let dead = child.id();
+        child.wait().unwrap();
+        let living = std::process::id();
+        let id = |process: u32| ((u128::from(process) << 64) | 99).to_string();
+        let make = |name: String, mode: u32| {
+            let path = Path::new(FOLDER).join(format!("{}0abc_{name}", domain.prefix()));
+            File::create(&path).unwrap();
+            std::fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();
+            path
+        };
+        let left = [
+            make(format!("{}.event_mgmt", id(dead)), UNFINISHED),
+            make(format!("{}_{}.connection", id(dead), id(living)), UNFINISHED),
+        ];
+        let kept = [
+            make(format!("{}.dynamic", id(dead)), 0o600),
+            make(format!("{}__1.data", id(living)), UNFINISHED),
+            make("1.data".into(), UNFINISHED),
+        ];
+        let exist = |paths: &[std::path::PathBuf]| paths.iter().filter(|path| path.exists()).count();
+        let too_young = (remove_unfinished(&domain, Duration::from_secs(3600)).unwrap(), exist(&left));
+        let removed = remove_unfinished(&domain, Duration::ZERO).unwrap();
+        let counts = (exist(&left), exist(&kept));
+        for path in left.iter().chain(&kept) {
+            let _ = std::fs::remove_file(path);
+        }
+        assert_eq!((too_young, removed, counts), ((0, 2), 2, (0, 3)));
+    }
 
     #[test]
     fn a_segment_is_taken_whole() {

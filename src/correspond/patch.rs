@@ -60,6 +60,10 @@ impl Patch {
         let mut first = 0;
         for _ in 0..rings {
             let last = self.vertices.len();
+            if first == last {
+                // The end of the mesh: what asks for rings may ask for more than there are.
+                return;
+            }
             for slot in first..last {
                 if self.faces.len() >= max_faces {
                     return;
@@ -217,5 +221,8 @@ mod tests {
         assert_eq!(patch.local_vertex(far), Some(0));
         patch.grow(&mesh, 100, 20);
         assert!(patch.faces().len() >= 20 && patch.faces().len() < 128);
+        // As many rings as there can't be, which must take no longer.
+        patch.grow(&mesh, usize::MAX, usize::MAX);
+        assert_eq!(patch.faces().len(), 128);
     }
 }

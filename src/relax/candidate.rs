@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     clusters::{Clusters, Tangle, measure},
+    damping::Damping,
     goals::{Aim, Goals, Scene},
     guard::Guard,
     motion::MotionSolver,
@@ -26,8 +27,6 @@ const CONTACT_GAP: f64 = 0.3;
 const HALVINGS: usize = 3;
 /// Motions are damped round what they would crush: half as much in each of so many rounds, then not at all in so many more.
 const DAMPING_ROUNDS: [usize; 2] = [3, 7];
-/// Rings over which the damping fades out.
-const DAMPING_RINGS: u32 = 6;
 
 /// A way to make a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +83,8 @@ pub(super) struct Candidate {
     frame: Frame,
     intersector: Intersector,
     found: Intersections,
-    damping: Vec<f64>,
-    front: Vec<usize>,
+    damping: Damping,
+    refused: Vec<usize>,
 }
 
 impl Candidate {
@@ -165,60 +164,30 @@ impl Candidate {
         let before = trial.body.frame.positions();
         self.step.positions.clear();
         self.step.positions.extend_from_slice(before);
-        self.damping.clear();
-        self.damping.resize(vertices.len(), 1.0);
+        self.damping.reset(vertices.len());
         let [halving, stopping] = DAMPING_ROUNDS;
         for round in 0..=halving + stopping + 1 {
             for (slot, &vertex) in vertices.iter().enumerate() {
-                let point = before[vertex.index()] + self.solver.motion[slot] * self.damping[slot];
+                let point = before[vertex.index()] + self.solver.motion[slot] * self.damping.factor(slot);
                 self.step.positions[vertex.index()] = if trial.single_precision { rounded(point) } else { point };
             }
-            self.front.clear();
+            self.refused.clear();
             let refused = |vertex| trial.guard.refuses(trial.scene.mesh, before, &self.step.positions, vertex);
-            self.front.extend((0..vertices.len()).filter(|&slot| refused(vertices[slot])));
-            if self.front.is_empty() {
+            self.refused.extend((0..vertices.len()).filter(|&slot| refused(vertices[slot])));
+            if self.refused.is_empty() {
                 break;
             }
             if round < halving + stopping {
-                self.damp(trial, if round < halving { 0.5 } else { 0.0 });
+                let factor = if round < halving { 0.5 } else { 0.0 };
+                self.damping.damp(trial.scene.mesh, trial.body.domain, self.refused.iter().copied(), factor);
             } else {
                 // The last resort: nothing moves in these clusters.
                 let mut stays = vec![false; trial.clusters.len() + 1];
-                for &slot in &self.front {
+                for &slot in &self.refused {
                     stays[trial.cluster(vertices[slot])] = true;
                 }
-                for (damping, &vertex) in self.damping.iter_mut().zip(vertices) {
-                    if stays[trial.cluster(vertex)] {
-                        *damping = 0.0;
-                    }
-                }
+                self.damping.stop(|slot| stays[trial.cluster(vertices[slot])]);
             }
-        }
-    }
-
-    /// Damps the motion in the vertices of `front` by a factor, and from there outwards ever less.
-    fn damp(&mut self, trial: &Trial<'_>, factor: f64) {
-        let Trial { scene: Scene { mesh, .. }, body, .. } = *trial;
-        for &slot in &self.front {
-            self.damping[slot] *= factor;
-        }
-        let mut first = 0;
-        for _ in 0..DAMPING_RINGS {
-            let last = self.front.len();
-            for index in first..last {
-                let slot = self.front[index];
-                let allowed = self.damping[slot] + 1.0 / f64::from(DAMPING_RINGS);
-                let vertex = body.domain.vertices()[slot];
-                for &edge in mesh.vertex_edges(vertex) {
-                    if let Some(next) = body.domain.local(mesh.opposite_vertex(edge, vertex))
-                        && self.damping[next] > allowed
-                    {
-                        self.damping[next] = allowed;
-                        self.front.push(next);
-                    }
-                }
-            }
-            first = last;
         }
     }
 
@@ -276,7 +245,7 @@ pub(super) fn total(tangles: &[Tangle]) -> Tangle {
     sum
 }
 
-fn rounded(point: Point3<f64>) -> Point3<f64> {
+pub(super) fn rounded(point: Point3<f64>) -> Point3<f64> {
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
     let single = point.map(|value| f64::from(value as f32));
     single

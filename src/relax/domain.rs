@@ -1,5 +1,15 @@
 //! The part of the cloth that may move in one iteration, with numbers of its own.
 
+use std::sync::OnceLock;
+
+use faer::{
+    Side,
+    sparse::{
+        SparseColMat,
+        linalg::solvers::{Llt, SymbolicLlt},
+    },
+};
+
 use crate::mesh::{Mesh, VertexId};
 
 const ABSENT: u32 = u32::MAX;
@@ -12,11 +22,14 @@ pub(super) struct Domain {
     vertices: Vec<VertexId>,
     index: Vec<u32>,
     front: Vec<VertexId>,
+    /// The symbolic part of the first factorisation over this domain: all others have the same pattern.
+    symbolic: OnceLock<Option<SymbolicLlt<usize>>>,
 }
 
 impl Domain {
     /// Takes the vertices within `rings` edges of `seeds`.
     pub(super) fn grow(&mut self, mesh: &Mesh, seeds: impl Iterator<Item = VertexId>, rings: usize) {
+        self.symbolic.take();
         for vertex in self.vertices.drain(..) {
             self.index[vertex.index()] = ABSENT;
         }
@@ -28,6 +41,9 @@ impl Domain {
         let mut first = 0;
         for _ in 0..rings {
             let last = self.front.len();
+            if first == last {
+                break;
+            }
             for slot in first..last {
                 let vertex = self.front[slot];
                 for &edge in mesh.vertex_edges(vertex) {
@@ -63,5 +79,12 @@ impl Domain {
     pub(super) fn local(&self, vertex: VertexId) -> Option<usize> {
         let slot = self.index[vertex.index()];
         (slot != ABSENT).then_some(slot as usize)
+    }
+
+    /// Factorises a symmetric matrix, of which the lower half is given, over the vertices of this domain. Its pattern must be that of all
+    /// others over this domain. Nothing where the numbers don't allow it.
+    pub(super) fn factorise(&self, matrix: &SparseColMat<usize, f64>) -> Option<Llt<usize, f64>> {
+        let symbolic = self.symbolic.get_or_init(|| SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok());
+        Llt::try_new_with_symbolic(symbolic.clone()?, matrix.as_ref(), Side::Lower).ok()
     }
 }

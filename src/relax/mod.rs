@@ -3,16 +3,19 @@
 mod candidate;
 mod clusters;
 mod coupled;
+mod damping;
 mod domain;
 mod goals;
 mod guard;
 mod local;
+mod membrane;
 mod motion;
 mod orient;
 mod plan;
 mod settle;
 mod shape;
 mod solver;
+mod straighten;
 
 use std::ops::ControlFlow;
 
@@ -52,6 +55,8 @@ pub enum Method {
     Push,
     /// Down the gradient of the path length.
     Contour,
+    /// All of a piece drawn flat, where nothing else helped, and back from there.
+    Straighten,
     /// Back towards the shape of the input, with nothing left to resolve.
     Settle,
 }

@@ -6,19 +6,22 @@ use crate::settings::InsideChoice;
 /// Motions of one iteration stiffen edges that change their length by more than this factor, in the careful kind of motion.
 pub(super) const TOLERATED: f64 = 1.08;
 
-/// Which aim is tried first, and which side of a path is taken for its inside.
+/// A way through all iterations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plan {
-    pub(super) aim: Aim,
-    pub(super) inside: InsideChoice,
+pub(super) enum Plan {
+    /// Motions with an aim that is tried first, and a choice of the side of a path that is its inside.
+    Motions { aim: Aim, inside: InsideChoice },
+    /// Flat, and back.
+    Straighten,
 }
 
 /// Where one plan ends stuck, the next begins again from the input.
-pub(super) const PLANS: [Plan; 4] = [
-    Plan { aim: Aim::Normal, inside: InsideChoice::Work },
-    Plan { aim: Aim::Target, inside: InsideChoice::Work },
-    Plan { aim: Aim::Normal, inside: InsideChoice::Count },
-    Plan { aim: Aim::Target, inside: InsideChoice::Count },
+pub(super) const PLANS: [Plan; 5] = [
+    Plan::Motions { aim: Aim::Normal, inside: InsideChoice::Work },
+    Plan::Motions { aim: Aim::Target, inside: InsideChoice::Work },
+    Plan::Straighten,
+    Plan::Motions { aim: Aim::Normal, inside: InsideChoice::Count },
+    Plan::Motions { aim: Aim::Target, inside: InsideChoice::Count },
 ];
 
 /// The motions that are tried; `widen` adds those of the other aims.

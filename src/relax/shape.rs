@@ -6,7 +6,7 @@
 //! edges, over which a motion dies away.
 
 use faer::{
-    MatMut, Side,
+    MatMut,
     linalg::solvers::Solve,
     sparse::{SparseColMat, Triplet, linalg::solvers::Llt},
 };
@@ -117,7 +117,7 @@ impl Stiffness {
             row_ends.push(u32::try_from(neighbours.len()).ok()?);
         }
         let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?;
-        Some(Self { factors: matrix.sp_cholesky(Side::Lower).ok()?, row_ends, neighbours, diagonal, stiffness })
+        Some(Self { factors: body.domain.factorise(&matrix)?, row_ends, neighbours, diagonal, stiffness })
     }
 
     /// `A^-1 v`, in place, for all three coordinates.

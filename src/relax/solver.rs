@@ -10,7 +10,7 @@ use super::{
     candidate::{Candidate, Trial, Try, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
-    goals::{Goals, Scene},
+    goals::{Aim, Goals, Scene},
     guard::Guard,
     orient::Orientation,
     plan::{PLANS, Plan, tries},
@@ -30,14 +30,15 @@ const RINGS: usize = 14;
 const MEMORY: f64 = 0.3;
 /// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
 const LARGE_STRAIN: f64 = 0.25;
-/// Gives up after so many iterations without a better state.
+/// A plan is given up when so many iterations have not taken away this part of what was left before them.
 const PATIENCE: usize = 5;
+const PROGRESS: f64 = 0.25;
 /// Iterations that bring back the shape once nothing intersects any more.
 const SETTLINGS: usize = 4;
 
 /// Why iterations ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+pub(super) enum End {
     Clean,
     Stuck,
     Exhausted,
@@ -45,9 +46,9 @@ enum End {
 }
 
 /// The least tangled state so far.
-struct Best {
-    merit: f64,
-    positions: Vec<Point3<f64>>,
+pub(super) struct Best {
+    pub(super) merit: f64,
+    pub(super) positions: Vec<Point3<f64>>,
 }
 
 /// One relaxation under way.
@@ -110,12 +111,17 @@ impl<'a> Relaxer<'a> {
         let mut interrupted = false;
         let mut reason = "";
         for (index, plan) in PLANS.into_iter().enumerate() {
-            self.analysis_settings.inside = plan.inside;
             if index > 0 {
                 self.parted.clear();
                 self.set_frame(&input)?;
             }
-            let end = self.follow(plan, &mut best, progress)?;
+            let end = match plan {
+                Plan::Motions { aim, inside } => {
+                    self.analysis_settings.inside = inside;
+                    self.follow(aim, &mut best, progress)?
+                }
+                Plan::Straighten => self.straighten(&mut best, progress)?,
+            };
             reason = match end {
                 End::Clean => "",
                 End::Exhausted => "the largest number of iterations was reached",
@@ -144,12 +150,12 @@ impl<'a> Relaxer<'a> {
     /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
     fn follow(
         &mut self,
-        plan: Plan,
+        aim: Aim,
         best: &mut Best,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
-        let mut own_best = f64::INFINITY;
-        let mut impatience = 0;
+        // The least merits up to each iteration.
+        let mut merits: Vec<f64> = Vec::new();
         let mut widen = false;
         for iteration in 0.. {
             let analysis = self.analyser.last();
@@ -162,23 +168,28 @@ impl<'a> Relaxer<'a> {
             if analysis.intersections.edge_face.is_empty() {
                 return Ok(End::Clean);
             }
-            impatience = if merit < own_best { 0 } else { impatience + 1 };
-            own_best = own_best.min(merit);
-            if self.history.len() >= self.settings.max_iterations {
+            let before = merits.last().copied().unwrap_or(f64::INFINITY);
+            merits.push(merit.min(before));
+            if self.is_exhausted() {
                 return Ok(End::Exhausted);
             }
-            if impatience > PATIENCE {
+            if iteration > PATIENCE && merits[iteration] > (1.0 - PROGRESS) * merits[iteration - PATIENCE] {
                 break;
             }
-            let tries = tries(plan.aim, self.settings.quality, widen || impatience > 0);
+            let worse = merit >= before;
+            let tries = tries(aim, self.settings.quality, widen || worse);
             let memory = if iteration == 0 { 0.0 } else { MEMORY };
-            let (method, stuck) = self.iterate(&tries, memory, impatience > 0)?;
+            let (method, stuck) = self.iterate(&tries, memory, worse)?;
             widen = stuck;
             if self.report(method, progress).is_break() {
                 return Ok(End::Interrupted);
             }
         }
         Ok(End::Stuck)
+    }
+
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.history.len() >= self.settings.max_iterations
     }
 
     fn analyse(&mut self) {
@@ -192,7 +203,11 @@ impl<'a> Relaxer<'a> {
     }
 
     /// Notes the state after an iteration.
-    fn report(&mut self, method: Method, progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> ControlFlow<()> {
+    pub(super) fn report(
+        &mut self,
+        method: Method,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let analysis = self.analyser.last();
         let iteration = Iteration {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),

@@ -38,6 +38,9 @@ pub(crate) fn set_flags(
     let mut first = 0;
     for _ in 0..rings {
         let last = front.len();
+        if first == last {
+            break;
+        }
         for slot in first..last {
             let vertex = front[slot];
             for &edge in mesh.vertex_edges(vertex) {

@@ -12,7 +12,7 @@
 //! | middle of a path segment of length `l` | `2 m F(0) (l / h) e` and its opposite in the other sheet, `e` from conormal to conormal: the limit of the line above on the path | nothing; small regions need it |
 //! | BI, segment `i` | `2 m (s'_i - s_i)` and its opposite in the other sheet; `s'` the mean over the path of `F(h(u)) (-grad h)` on the partner, `s` on its own | (6), (7): on all vertices of the path's faces, which keeps linear momentum only |
 //! | path round two tubes | the same, over the hem of the one that is nearer | nothing: to slip one tube off the other takes no strain |
-//! | BI, and any path without targets | `-f_max m` times the gradient of the path's length (`contour`) | nothing; also where the push cancels |
+//! | BI, and any path without targets | `-f_max` times the mean mass along the path times the gradient of its length (`contour`) | nothing; also where the push cancels |
 //!
 //! Each force acts in a point of a face and is spread over its corners by barycentric weights, and each has an opposite, in the same place or
 //! along the line between both: so linear and angular momentum are kept, exactly but for rounding, and [`Corrections`] says what is left. Then, per

@@ -93,7 +93,7 @@ impl BoundaryPush {
             clippy::cast_sign_loss,
             reason = "saturates, which is what is wanted"
         )]
-        let rings = (1.5 * length / edge_length_m).ceil() as usize + 3;
+        let rings = ((1.5 * length / edge_length_m).ceil() as usize).saturating_add(3);
         self.patch.start(mesh, segments.iter().map(face_of));
         self.patch.grow(mesh, rings, usize::MAX);
         if !self.march(mesh, frame) {

@@ -15,7 +15,7 @@ use crate::{
     correspond::{Correspondences, Correspondent, MaterialPoint, PathCorrespondence, mean_edge_length},
     frame::Frame,
     mesh::{Mesh, VertexId},
-    paths::PathType,
+    paths::{PathSegment, PathType},
     regions::starts_pair,
     settings::{Response, Settings},
 };
@@ -279,7 +279,18 @@ fn shorten(scene: &Scene<'_>, copy: usize, forces: &mut Forces) {
     let law = law(settings, edge_length_m);
     // A path that is its own partner runs twice over every point of the world.
     let share = if path.partner == copy { 0.5 } else { 1.0 };
+    // One mass for all: only as a whole does the gradient keep momenta.
+    let strength = -share * law.largest_m * mean_mass_kg(mesh, segments);
     length_gradient(mesh, frame, points, path.closed, GUARD, |vertex, gradient| {
-        forces.add(vertex, gradient * (-share * law.largest_m * mass_kg(mesh, vertex)), law.largest_m);
+        forces.add(vertex, gradient * strength, law.largest_m);
     });
+}
+
+/// Mean mass of the vertices of the faces that a path runs through; 1 kg where the mesh has none.
+fn mean_mass_kg(mesh: &Mesh, segments: &[PathSegment]) -> f64 {
+    let faces = segments.iter().flat_map(|segment| [segment.own, segment.partner]);
+    let sum: f64 = faces.flat_map(|face| mesh.face(face)).map(|vertex| mass_kg(mesh, vertex)).sum();
+    #[expect(clippy::cast_precision_loss, reason = "a count of segments")]
+    let mean = sum / (6 * segments.len()) as f64;
+    mean
 }

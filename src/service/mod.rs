@@ -15,6 +15,7 @@ mod error;
 #[doc(hidden)]
 pub mod fuzz;
 mod ingest;
+mod janitor;
 mod metrics;
 mod paths;
 mod pool;
@@ -54,6 +55,7 @@ use crate::settings::Settings;
 
 use control::{ControlServer, RegistrationJob};
 pub use error::ServeError;
+use janitor::Janitor;
 use metrics::MetricsServer;
 use pool::{Job, Pool};
 use registry::Registry;
@@ -187,10 +189,13 @@ struct Daemon {
     listener: Listener<Ipc>,
     _event: Event,
     node: Arc<Node<Ipc>>,
+    _janitor: Janitor,
 }
 
 impl Daemon {
     fn start(options: &ServeOptions) -> Result<Self, ServeError> {
+        let janitor = Janitor::start(options.domain.clone())
+            .map_err(|source| ServeError::System { what: "starting the janitor", source })?;
         let node = NodeBuilder::new()
             .config(&options.domain.config()?)
             .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
@@ -212,7 +217,7 @@ impl Daemon {
         let metrics = metrics.transpose()?;
         // The server comes last: clients that see it find everything else in place.
         let control = ControlServer::start(&node, Arc::clone(&registry))?;
-        Ok(Self { pool, _metrics: metrics, control, registry, listener, _event: event, node })
+        Ok(Self { pool, _metrics: metrics, control, registry, listener, _event: event, node, _janitor: janitor })
     }
 
     fn serve(self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {

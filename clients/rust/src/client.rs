@@ -17,7 +17,7 @@ use untangled_proto::{
     Domain, ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status,
     control::Hello,
     lock::WipeOnLeave,
-    names,
+    memory, names,
     services::{self, Control, Event, Ipc},
 };
 
@@ -130,6 +130,8 @@ impl Shared {
             return Err(no_daemon().into());
         }
         domain.check_folders()?;
+        // What a killed daemon left unfinished would be waited for beyond any deadline. The daemon itself looks all the time.
+        let _ = memory::remove_unfinished(domain, memory::UNFINISHED_AGE);
         let node = NodeBuilder::new()
             .config(config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
