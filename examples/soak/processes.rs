@@ -82,9 +82,11 @@ impl Daemon {
         let mut lines = BufReader::new(child.stderr.take().expect("it is a pipe")).lines();
         let ready = lines.by_ref().map_while(Result::ok).any(|line| line == "ready");
         assert!(ready, "the daemon did not start");
-        // Read on, so that the daemon never blocks on its log, and show what matters.
+        // Read on, so that the daemon never blocks on its log, and show what matters, or all of it.
+        let all = std::env::var_os("SOAK_LOG").is_some();
         std::thread::spawn(move || {
-            lines.map_while(Result::ok).filter(|line| line.contains("panicked")).for_each(|line| eprintln!("{line}"));
+            let shown = lines.map_while(Result::ok).filter(|line| all || line.contains("panicked"));
+            shown.for_each(|line| eprintln!("{line}"));
         });
         Self(child)
     }
