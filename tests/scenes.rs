@@ -19,7 +19,7 @@ use untangled::{
     frame::Frame,
     io::{ReadErrorKind, concatenate, read_mesh},
     mesh::{EdgeId, FaceId, Mesh, VertexId},
-    paths::PairType,
+    paths::{PairType, PathType},
 };
 
 /// The shared folder, if it is there.
@@ -142,12 +142,7 @@ fn differences(name: &str, answer: &Answer, analysis: &Analysis) -> Vec<String> 
     // the one most like it.
     let mut sets: Vec<BTreeSet<u32>> = (0..paths.copies.len())
         // II and BI have no inside of their own; what both paths of such a pair bound together is no answer of `check`.
-        .filter(|&copy| {
-            !matches!(
-                paths.copies[copy].path_type,
-                untangled::paths::PathType::BoundaryInside | untangled::paths::PathType::InsideInside
-            )
-        })
+        .filter(|&copy| !matches!(paths.copies[copy].path_type, PathType::BoundaryInside | PathType::InsideInside))
         .map(|copy| regions.vertices_of(copy).iter().map(|vertex| vertex.0).collect())
         .filter(|set: &BTreeSet<u32>| !set.is_empty())
         .collect();
