@@ -34,6 +34,8 @@ pub const CORRECTION_BUFFER: usize = 2;
 pub const CORRECTION_BORROWED: usize = 4;
 /// Listeners to a session's paths.
 pub const PATHS_SUBSCRIBERS: usize = 4;
+/// Paths that a listener may hold at a time: those of all corrections that a host may hold.
+pub const PATHS_BORROWED: usize = CORRECTION_BORROWED;
 /// Alignment of positions and corrections in bytes.
 pub const PAYLOAD_ALIGNMENT: usize = 64;
 

@@ -69,7 +69,29 @@ pub struct PathPoint {
     pub faces: [u32; 2],
 }
 
+impl PathsHeader {
+    /// Records and points of a payload, in place; nothing where its length or alignment is not what this header says.
+    #[must_use]
+    pub fn split<'a>(&self, payload: &'a [u8]) -> Option<(&'a [PathRecord], &'a [PathPoint])> {
+        let (num_paths, num_points) = (self.num_paths as usize, self.num_points as usize);
+        let records = payload.get(..num_paths.checked_mul(size_of::<PathRecord>())?)?;
+        let points = &payload[records.len()..];
+        // SAFETY: both structs are repr(C) of numbers only, without padding, so that any bytes are valid values; the middle
+        // part that `align_to` finds is aligned.
+        let (records, points) = unsafe { (records.align_to::<PathRecord>(), points.align_to::<PathPoint>()) };
+        let whole = records.0.is_empty() && records.2.is_empty() && points.0.is_empty() && points.2.is_empty();
+        (whole && records.1.len() == num_paths && points.1.len() == num_points).then_some((records.1, points.1))
+    }
+}
+
 impl PathRecord {
+    /// The points of this path among all points of the frame; none where the record points outside of them.
+    #[must_use]
+    pub fn points<'a>(&self, all: &'a [PathPoint]) -> &'a [PathPoint] {
+        let first = self.first_point as usize;
+        all.get(first..first.saturating_add(self.num_points as usize)).unwrap_or_default()
+    }
+
     /// The bytes on the wire.
     #[must_use]
     pub fn to_bytes(self) -> [u8; 32] {
@@ -103,5 +125,33 @@ impl PathPoint {
             slot.copy_from_slice(&value.to_le_bytes());
         }
         bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_in_place() {
+        #[repr(align(64))]
+        struct Payload([u8; 128]);
+        let record = PathRecord { pair: 7, first_point: 1, num_points: 2, ..PathRecord::default() };
+        let point = |x| PathPoint { position_m: [x, 0.0, -1.0], faces: [3, 4] };
+        let mut payload = Payload([0; 128]);
+        payload.0[..32].copy_from_slice(&record.to_bytes());
+        for k in 0..3u8 {
+            let begin = 32 * usize::from(k + 1);
+            payload.0[begin..begin + 32].copy_from_slice(&point(f64::from(k)).to_bytes());
+        }
+        let header = PathsHeader { num_paths: 1, num_points: 3, ..PathsHeader::default() };
+        let (records, points) = header.split(&payload.0).unwrap();
+        assert_eq!(records, [record]);
+        assert_eq!(records[0].points(points), [point(1.0), point(2.0)]);
+        assert_eq!(PathRecord { num_points: 3, ..record }.points(points), []);
+        for lie in [PathsHeader { num_paths: 2, ..header }, PathsHeader { num_points: u32::MAX, ..header }] {
+            assert_eq!(lie.split(&payload.0), None);
+        }
+        assert_eq!(header.split(&payload.0[1..]), None);
     }
 }

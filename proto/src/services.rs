@@ -201,7 +201,7 @@ pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, Publis
         .max_nodes(2 + limits::PATHS_SUBSCRIBERS)
         .history_size(0)
         .subscriber_max_buffer_size(1)
-        .subscriber_max_borrowed_samples(1)
+        .subscriber_max_borrowed_samples(limits::PATHS_BORROWED)
         .enable_safe_overflow(true)
         .create()
 }

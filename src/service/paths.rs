@@ -15,6 +15,9 @@ use crate::paths::{IntersectionPaths, PathCopy, PathType};
 
 use super::{error::ServeError, publish::pair_index, throttle::Throttle};
 
+/// Samples that there may be at a time: buffered or borrowed by each listener, and the one being written.
+const NUM_CHUNKS: u64 = ((1 + limits::PATHS_BORROWED) * limits::PATHS_SUBSCRIBERS + 1) as u64;
+
 /// A session's paths service. It has no port, and costs nothing per frame, until somebody listens.
 #[derive(Debug)]
 pub(super) struct PathsPort {
@@ -47,7 +50,7 @@ impl PathsPort {
 
     fn try_publish(&mut self, frame: u64, paths: &IntersectionPaths) -> Result<(), ServeError> {
         let header = encode(frame, paths, &mut self.bytes);
-        let needed = (self.bytes.len() as u64 * 2).saturating_mul(3 + 2 * limits::PATHS_SUBSCRIBERS as u64);
+        let needed = (self.bytes.len() as u64 * 2).saturating_mul(NUM_CHUNKS);
         if memory::free().is_ok_and(|free| free < needed) {
             return Err(ServeError::transport("loaning a sample", &"shared memory is full"));
         }

@@ -287,6 +287,10 @@ impl Work {
         header.num_vertices = u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX);
         header.num_skipped_frames = self.num_skipped_frames;
         let record = |header: &CorrectionHeader| lock(&session.statistics).record(header);
+        // Before the correction, so that a host which has that finds its paths.
+        if let Ok(outcome) = &outcome {
+            paths.publish(state.frame, &outcome.analysis.paths);
+        }
         let sent = match &outcome {
             Ok(outcome) => port.send(&mut header, clock, record, |index| {
                 publish::vertex(mesh, outcome.corrections, kind, state.dt_s, index)
@@ -299,15 +303,11 @@ impl Work {
                 tracing::warn!(%error, session = session.id, num_suppressed, "the correction is lost");
             }
         }
-        match outcome {
-            Ok(outcome) => paths.publish(state.frame, &outcome.analysis.paths),
-            Err(StateFault { status: Status::Internal, .. }) => {
-                // Whatever the panic left half done is dropped. Settings that were valid still are.
-                if let Ok(fresh) = Untangler::new(Arc::clone(mesh), self.untangler.settings().clone()) {
-                    self.untangler = fresh;
-                }
-            }
-            Err(_) => {}
+        if matches!(outcome, Err(StateFault { status: Status::Internal, .. }))
+            // Whatever the panic left half done is dropped. Settings that were valid still are.
+            && let Ok(fresh) = Untangler::new(Arc::clone(mesh), self.untangler.settings().clone())
+        {
+            self.untangler = fresh;
         }
         header
     }

@@ -3,7 +3,10 @@
 use iceoryx2::sample::Sample;
 use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, services::Ipc};
 
-use crate::error::FrameRefusal;
+use crate::{
+    error::FrameRefusal,
+    paths::{Paths, PathsSample},
+};
 
 pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHeader>;
 
@@ -13,14 +16,15 @@ pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHea
 pub struct Correction {
     header: CorrectionHeader,
     sample: CorrectionSample,
+    paths: Option<PathsSample>,
 }
 
 impl Correction {
     /// A sample as a correction, if the daemon could use the frame.
-    pub(crate) fn new(sample: CorrectionSample) -> Result<Self, FrameRefusal> {
+    pub(crate) fn new(sample: CorrectionSample, paths: Option<PathsSample>) -> Result<Self, FrameRefusal> {
         let header = *sample.user_header();
         if header.status == Status::Ok.code() {
-            return Ok(Self { header, sample });
+            return Ok(Self { header, sample, paths });
         }
         Err(FrameRefusal {
             frame: header.frame,
@@ -46,5 +50,12 @@ impl Correction {
     #[must_use]
     pub fn vertices(&self) -> &[VertexCorrection] {
         self.sample.payload()
+    }
+
+    /// The intersection paths of the frame. Nothing where they were not asked for at registration, or where shared memory did not
+    /// hold them.
+    #[must_use]
+    pub fn paths(&self) -> Option<Paths<'_>> {
+        self.paths.as_ref().and_then(PathsSample::paths)
     }
 }

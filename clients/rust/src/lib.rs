@@ -31,6 +31,8 @@ mod client;
 mod correction;
 mod error;
 mod link;
+mod loan;
+mod paths;
 mod registration;
 mod request;
 mod session;
@@ -40,9 +42,14 @@ pub use correction::Correction;
 pub use error::{
     ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
 };
+pub use loan::{Loan, LoanMemory};
+pub use paths::Paths;
 pub use registration::{Registration, Uvs};
 pub use session::{Session, StepTime};
-pub use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type};
+pub use untangled_proto::{
+    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
+    paths::{PathPoint, PathRecord, path_type},
+};
 
 /// The README's first client compiles.
 #[cfg(doctest)]

@@ -1,6 +1,6 @@
 //! The ports of a registered session.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use iceoryx2::{
     port::{listener::Listener, publisher::Publisher, subscriber::Subscriber},
@@ -14,6 +14,7 @@ use untangled_proto::{
 
 use crate::{
     error::RequestError,
+    paths::PathsPort,
     registration::Registration,
     request::{Reply, check_memory, commit_memory},
 };
@@ -29,9 +30,10 @@ pub(crate) enum StatePort {
 #[derive(Debug)]
 pub(crate) struct Link {
     pub(crate) session: u64,
-    pub(crate) states: StatePort,
+    pub(crate) states: Arc<StatePort>,
     pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
     pub(crate) listener: Listener<Ipc>,
+    pub(crate) paths: Option<PathsPort>,
     /// When the daemon's process was last looked at.
     pub(crate) checked: Instant,
     service: CorrectionService,
@@ -60,6 +62,10 @@ impl Link {
             .listener_builder()
             .create()
             .map_err(|error| RequestError::transport("creating a listener", &error))?;
+        let paths = match registration.paths {
+            true => Some(PathsPort::open(node, &name(SessionService::Paths))?),
+            false => None,
+        };
         let states = name(SessionService::State);
         let states = match registration.precision {
             Precision::F32 => StatePort::F32(publisher(node, &states, registration.num_vertices)?),
@@ -70,7 +76,8 @@ impl Link {
             StatePort::F64(publisher) => publisher.id().value(),
         };
         commit_memory(domain, port_id, needed)?;
-        Ok(Self { session, states, corrections, listener, checked: Instant::now(), service })
+        let states = Arc::new(states);
+        Ok(Self { session, states, corrections, listener, paths, checked: Instant::now(), service })
     }
 
     /// Whether the daemon has closed its side, or somebody cleaned up behind it. A look into shared memory.

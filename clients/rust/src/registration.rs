@@ -23,6 +23,8 @@ pub struct Registration {
     pub precision: Precision,
     /// What corrections shall be.
     pub correction: CorrectionKind,
+    /// Whether corrections shall bring the intersection paths of their frame, for pictures and statistics.
+    pub paths: bool,
     /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
     pub settings: serde_json::Value,
 }

@@ -5,18 +5,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-use iceoryx2::{port::publisher::Publisher, prelude::ZeroCopySend};
 use untangled_proto::{
-    PositionF32, PositionF64, Precision, RequestKind, StateHeader, names,
+    Precision, RequestKind, names,
     sections::{SectionWriter, id},
-    services::Ipc,
 };
 
 use crate::{
     client::Shared,
     correction::{Correction, CorrectionSample},
-    error::{ExchangeError, NewestError, PublishError, RegisterError, RequestError, WaitError},
-    link::{Link, StatePort},
+    error::{ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError},
+    link::Link,
+    loan::Loan,
     registration::{Registration, settings_bytes},
     request::Pending,
 };
@@ -108,6 +107,31 @@ impl Session {
         self.publish_f64_by(step, Instant::now(), fill)
     }
 
+    /// Lends the memory of the next state, for hosts that can't write all of it in one call; [`send`](Self::send) publishes it. One at
+    /// a time: until it is sent or dropped, this and [`publish`](Self::publish) fail. Does not block.
+    ///
+    /// # Errors
+    /// [`PublishError`].
+    pub fn loan(&mut self, step: StepTime) -> Result<Loan, PublishError> {
+        self.loan_by(step, Instant::now())
+    }
+
+    /// Publishes a state that was lent by this session and returns its frame number. Does not block.
+    ///
+    /// # Errors
+    /// [`PublishError::Reconnecting`] where the daemon went away since: what was written is lost.
+    pub fn send(&mut self, loan: Loan) -> Result<u64, PublishError> {
+        if loan.num_registrations() != self.num_registrations || !matches!(self.state, State::Live(_)) {
+            return Err(PublishError::Reconnecting);
+        }
+        let frame = self.frame + 1;
+        // The daemon registered no more than fits.
+        loan.send(frame, u32::try_from(self.registration.num_vertices).unwrap_or(u32::MAX))?;
+        self.frame = frame;
+        self.shared.wake(names::EVENT_STATE);
+        Ok(frame)
+    }
+
     /// Waits for the correction of a frame, up to the deadline.
     ///
     /// # Errors
@@ -126,7 +150,7 @@ impl Session {
         while let Some(sample) = self.receive().map_err(|reason| NewestError::Receive { reason })? {
             newest = Some(sample);
         }
-        Ok(newest.map(Correction::new).transpose()?)
+        Ok(newest.map(|sample| self.correction(sample)).transpose()?)
     }
 
     /// Publishes a state in single precision and waits for its correction: lock step. See [`publish`](Self::publish) for `fill`.
@@ -184,12 +208,9 @@ impl Session {
         deadline: Instant,
         fill: impl FnOnce(&mut [[f32; 3]]),
     ) -> Result<u64, PublishError> {
-        let header = self.next_header(step);
-        match &self.live(deadline)?.states {
-            StatePort::F32(publisher) => send(publisher, header, |p| fill(PositionF32::as_arrays_mut(p)))?,
-            StatePort::F64(_) => return Err(PublishError::Precision { registered: Precision::F64 }),
-        }
-        Ok(self.published(header))
+        let mut loan = self.loan_by(step, deadline)?;
+        fill(loan.positions_f32().ok_or(PublishError::Precision { registered: Precision::F64 })?);
+        self.send(loan)
     }
 
     fn publish_f64_by(
@@ -198,29 +219,17 @@ impl Session {
         deadline: Instant,
         fill: impl FnOnce(&mut [[f64; 3]]),
     ) -> Result<u64, PublishError> {
-        let header = self.next_header(step);
-        match &self.live(deadline)?.states {
-            StatePort::F64(publisher) => send(publisher, header, |p| fill(PositionF64::as_arrays_mut(p)))?,
-            StatePort::F32(_) => return Err(PublishError::Precision { registered: Precision::F32 }),
-        }
-        Ok(self.published(header))
+        let mut loan = self.loan_by(step, deadline)?;
+        fill(loan.positions_f64().ok_or(PublishError::Precision { registered: Precision::F32 })?);
+        self.send(loan)
     }
 
-    fn next_header(&self, step: StepTime) -> StateHeader {
-        StateHeader {
-            frame: self.frame + 1,
-            simulated_s: step.simulated_s,
-            dt_s: step.dt_s,
-            // The daemon registered no more than fits.
-            num_vertices: u32::try_from(self.registration.num_vertices).unwrap_or(u32::MAX),
-            ..StateHeader::default()
+    fn loan_by(&mut self, step: StepTime, deadline: Instant) -> Result<Loan, PublishError> {
+        self.live(deadline)?;
+        match &self.state {
+            State::Live(link) => Ok(Loan::new(&link.states, step, self.num_registrations)?),
+            State::Pending(_) | State::Lost => Err(PublishError::Reconnecting),
         }
-    }
-
-    fn published(&mut self, header: StateHeader) -> u64 {
-        self.frame = header.frame;
-        self.shared.wake(names::EVENT_STATE);
-        self.frame
     }
 
     fn wait_until(&mut self, frame: u64, begin: Instant, deadline: Instant) -> Result<Correction, WaitError> {
@@ -228,7 +237,7 @@ impl Session {
             while let Some(sample) = self.receive().map_err(|reason| WaitError::Receive { reason })? {
                 let newest = sample.user_header().frame;
                 if newest == frame {
-                    return Ok(Correction::new(sample)?);
+                    return Ok(self.correction(sample)?);
                 }
                 if newest > frame {
                     return Err(WaitError::Overtaken { frame, newest });
@@ -262,6 +271,16 @@ impl Session {
                 return Ok(Some(sample));
             }
         }
+    }
+
+    /// A sample with what belongs to it.
+    fn correction(&mut self, sample: CorrectionSample) -> Result<Correction, FrameRefusal> {
+        let frame = sample.user_header().frame;
+        let paths = match &mut self.state {
+            State::Live(link) => link.paths.as_mut().and_then(|port| port.take(frame)),
+            State::Pending(_) | State::Lost => None,
+        };
+        Correction::new(sample, paths)
     }
 
     /// The session's ports; registers again where a daemon went away, up to the deadline.
@@ -336,22 +355,5 @@ fn sleep_or_give_up(deadline: Instant) -> Result<(), PublishError> {
         return Err(PublishError::Reconnecting);
     }
     std::thread::sleep(left.min(Duration::from_millis(10)));
-    Ok(())
-}
-
-fn send<P: std::fmt::Debug + ZeroCopySend + 'static>(
-    publisher: &Publisher<Ipc, [P], StateHeader>,
-    header: StateHeader,
-    fill: impl FnOnce(&mut [P]),
-) -> Result<(), PublishError> {
-    let sample = publisher
-        .loan_slice_uninit(publisher.initial_max_slice_len())
-        .map_err(|error| RequestError::transport("loaning a state", &error))?;
-    // SAFETY: the memory is a file mapping, which the system hands out zeroed and which only ever held positions, and every
-    // pattern of bits is a valid `[f32; 3]` or `[f64; 3]`, the only instances of `P`.
-    let mut sample = unsafe { sample.assume_init() };
-    *sample.user_header_mut() = header;
-    fill(sample.payload_mut());
-    sample.send().map_err(|error| RequestError::transport("sending a state", &error))?;
     Ok(())
 }

@@ -1,0 +1,198 @@
+//! What crosses the border, in C layout.
+
+use client::{Correction, CorrectionHeader};
+
+/// A connection to a daemon; `{0}` is none.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClientHandle {
+    /// Its number.
+    pub id: u64,
+}
+
+/// One cloth that the daemon knows; `{0}` is none.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SessionHandle {
+    /// Its number.
+    pub id: u64,
+}
+
+/// Precision of the positions that a session publishes.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug)]
+pub enum PositionPrecision {
+    /// Single.
+    F32 = 0,
+    /// Double.
+    F64 = 1,
+}
+
+/// What corrections shall be.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// Newtons; needs masses.
+    Force = 0,
+    /// Metres per second squared.
+    Acceleration = 1,
+    /// Metres per second.
+    VelocityChange = 2,
+    /// Metres.
+    Displacement = 3,
+}
+
+/// The vertex is inside: switch the host's self-collision off here.
+pub const UNTANGLED_INSIDE: u32 = 1;
+/// The vertex is near a path: switch the host's self-collision off here too.
+pub const UNTANGLED_NEAR_PATH: u32 = 2;
+/// The correction was limited.
+pub const UNTANGLED_CLAMPED: u32 = 4;
+/// The vertex is pinned and never corrected.
+pub const UNTANGLED_PINNED: u32 = 8;
+/// Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
+pub const UNTANGLED_MASK: u32 = 3;
+
+/// Value and flags of a vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct VertexCorrection {
+    /// In the unit of the kind that was asked for.
+    pub value: [f32; 3],
+    /// `UNTANGLED_INSIDE` and so on.
+    pub flags: u32,
+}
+
+/// An intersection path.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// Which pair it belongs to.
+    pub pair: u32,
+    /// Type of that pair: CLOSED/CLOSED, EIGHT, LL, BLI, BLB, BLLB, CROSS, BB/II, BB/BI, BB/BB, BI/BI.
+    pub pair_type: u32,
+    /// Type of this path: CLOSED, LL, BLI, BLB, BB, BI, II.
+    pub path_type: u32,
+    /// Index of the corresponding path; its own where it is its own.
+    pub partner: u32,
+    /// 1 for a loop on the cloth, else 0.
+    pub closed: u32,
+    /// Index of its first point. Check it against the number of points: the daemon wrote it.
+    pub first_point: u32,
+    /// Number of its points.
+    pub num_points: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// A point of an intersection path.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PathPoint {
+    /// In the world, in metres.
+    pub position_m: [f64; 3],
+    /// The face that the path runs through after this point, and the partner's.
+    pub faces: [u32; 2],
+}
+
+/// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or `untangled_close`.
+#[repr(C)]
+#[derive(Debug)]
+pub struct CorrectionView {
+    /// The frame that it is for.
+    pub frame: u64,
+    /// Simulated time of that frame in seconds.
+    pub simulated_s: f64,
+    /// Step of that frame in seconds.
+    pub dt_s: f64,
+    /// Number of vertices.
+    pub num_vertices: usize,
+    /// Value and flags of each vertex.
+    pub vertices: *const VertexCorrection,
+    /// Number of intersection paths; 0 where they were not asked for.
+    pub num_paths: usize,
+    /// Intersection paths, or null.
+    pub paths: *const Path,
+    /// Number of points of all paths.
+    pub num_path_points: usize,
+    /// Points of all paths, or null.
+    pub path_points: *const PathPoint,
+    /// What the values are.
+    pub kind: u32,
+    /// 1 where time was up before all paths had been worked on, else 0.
+    pub truncated: u32,
+    /// Number of edges that pierce a face.
+    pub num_edge_face_intersections: u64,
+    /// Number of intersecting face pairs.
+    pub num_face_pairs: u64,
+    /// Length of all paths in metres, each pair once.
+    pub contour_length_m: f64,
+    /// Number of vertices that are inside.
+    pub num_inside: u64,
+    /// Longest displacement that the correction makes in one step, in metres.
+    pub max_displacement_m: f64,
+    /// Force left over, in newtons.
+    pub net_force_n: [f64; 3],
+    /// Torque left over, in newton metres.
+    pub net_torque_nm: [f64; 3],
+    /// Number of path pairs by type, as in `untangled_path.pair_type`.
+    pub num_pairs: [u32; 16],
+    /// Nanoseconds of each stage: ingest, intersect, paths, regions, correspond, respond, publish, total.
+    pub stage_ns: [u64; 8],
+    /// Frames so far that were overtaken before the daemon looked at them.
+    pub num_skipped_frames: u64,
+    /// Where truncated: number of path pairs for which time did not suffice.
+    pub num_pairs_left_out: u64,
+    /// Where truncated: their length in metres.
+    pub length_left_out_m: f64,
+    /// What `untangled_release` knows it by.
+    pub token: u64,
+}
+
+const _: () = {
+    assert!(size_of::<VertexCorrection>() == size_of::<client::VertexCorrection>());
+    assert!(align_of::<VertexCorrection>() == align_of::<client::VertexCorrection>());
+    assert!(std::mem::offset_of!(VertexCorrection, flags) == std::mem::offset_of!(client::VertexCorrection, flags));
+    assert!(size_of::<Path>() == size_of::<client::PathRecord>() && align_of::<Path>() == 4);
+    assert!(std::mem::offset_of!(Path, num_points) == std::mem::offset_of!(client::PathRecord, num_points));
+    assert!(size_of::<PathPoint>() == size_of::<client::PathPoint>() && align_of::<PathPoint>() == 8);
+    assert!(std::mem::offset_of!(PathPoint, faces) == std::mem::offset_of!(client::PathPoint, faces));
+    assert!(UNTANGLED_INSIDE == client::flags::INSIDE && UNTANGLED_NEAR_PATH == client::flags::NEAR_PATH);
+    assert!(UNTANGLED_CLAMPED == client::flags::CLAMPED && UNTANGLED_PINNED == client::flags::PINNED);
+    assert!(UNTANGLED_MASK == client::flags::MASK);
+};
+
+impl CorrectionView {
+    /// What a caller may read of a correction that is kept for it.
+    pub(crate) fn new(correction: &Correction, token: u64) -> Self {
+        let header: &CorrectionHeader = correction.header();
+        let vertices = correction.vertices();
+        let paths = correction.paths();
+        Self {
+            frame: header.frame,
+            simulated_s: header.simulated_s,
+            dt_s: header.dt_s,
+            num_vertices: vertices.len(),
+            vertices: vertices.as_ptr().cast(),
+            num_paths: paths.map_or(0, |paths| paths.records.len()),
+            paths: paths.map_or(std::ptr::null(), |paths| paths.records.as_ptr().cast()),
+            num_path_points: paths.map_or(0, |paths| paths.points.len()),
+            path_points: paths.map_or(std::ptr::null(), |paths| paths.points.as_ptr().cast()),
+            kind: header.kind,
+            truncated: header.flags & 1,
+            num_edge_face_intersections: header.num_edge_face_intersections,
+            num_face_pairs: header.num_face_pairs,
+            contour_length_m: header.contour_length_m,
+            num_inside: header.num_inside,
+            max_displacement_m: header.max_displacement_m,
+            net_force_n: header.net_force_n,
+            net_torque_nm: header.net_torque_nm,
+            num_pairs: header.num_pairs,
+            stage_ns: header.stage_ns,
+            num_skipped_frames: header.num_skipped_frames,
+            num_pairs_left_out: header.num_pairs_left_out,
+            length_left_out_m: header.length_left_out_m,
+            token,
+        }
+    }
+}

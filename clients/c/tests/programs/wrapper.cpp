@@ -1,0 +1,95 @@
+// The C++ wrapper: handles close themselves, errors are exceptions. Arguments: the domain of a running daemon.
+#include <cstdio>
+#include <cstdlib>
+#include <type_traits>
+
+#include "untangled.hpp"
+
+#define EXPECT(condition)                                                                                              \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            std::fprintf(stderr, "line %d: %s\n", __LINE__, #condition);                                               \
+            std::exit(1);                                                                                              \
+        }                                                                                                              \
+    } while (0)
+
+static_assert(!std::is_copy_constructible_v<untangled::Client> && !std::is_copy_constructible_v<untangled::Session> &&
+              !std::is_copy_constructible_v<untangled::Correction> && !std::is_copy_constructible_v<untangled::Frame<float>>);
+
+template <class Call> static untangled_error error_of(Call call) {
+    try {
+        call();
+    } catch (const untangled::Error &error) {
+        EXPECT(error.what()[0] != '\0');
+        return error.code();
+    }
+    return UNTANGLED_OK;
+}
+
+int main(int argc, char **argv) {
+    using namespace std::chrono_literals;
+    EXPECT(argc == 2);
+    EXPECT(error_of([] { untangled::Client("test-nobody-home", 1ms); }) == UNTANGLED_NO_DAEMON);
+    untangled::Client client(argv[1], 60s);
+
+    untangled::Cloth cloth;
+    cloth.num_vertices = 6;
+    cloth.triangles = {{0, 1, 2}, {3, 4, 5}};
+    cloth.masses_kg = {1, 1, 1, 1, 1};
+    try {
+        client.open(cloth);
+        EXPECT(!"five masses for six vertices");
+    } catch (const std::invalid_argument &) {
+    }
+    cloth.masses_kg.push_back(1);
+    cloth.paths = true;
+    auto session = client.open(cloth);
+    EXPECT(session.num_vertices() == 6 && session.num_registrations() == 1);
+    EXPECT(!session.newest());
+
+    const std::array<std::array<float, 3>, 6> crossed = {
+        {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0.5f, 1, 2}, {1.5f, 1, 2}, {1, 1.1f, -1}}};
+    {
+        // Abandoned, it was never there.
+        auto frame = session.begin_frame(0.0, 0.01);
+        auto moved = std::move(frame);
+        EXPECT(moved.positions().size() == 6 && frame.positions().size() == 0);
+    }
+    // Far more than are lent at a time: each is given back.
+    for (int k = 0; k < 20; ++k) {
+        auto frame = session.begin_frame(0.01 * k, 0.01);
+        std::copy(crossed.begin(), crossed.end(), frame.positions().begin());
+        const auto correction = session.wait(frame.send(), 60s);
+        EXPECT(correction.summary().frame == std::uint64_t(k + 1));
+        EXPECT(correction.summary().num_edge_face_intersections == 2);
+        EXPECT(correction.vertices()[5].flags & UNTANGLED_INSIDE);
+        EXPECT(correction.paths().size() == 2);
+        for (const auto &path : correction.paths()) {
+            EXPECT(correction.points(path).size() == path.num_points && path.num_points == 2);
+        }
+    }
+    auto correction = session.exchange(0.0, 0.01, {crossed.data(), crossed.size()}, 60s);
+    correction = session.exchange(0.0, 0.01, {crossed.data(), crossed.size()}, 60s);
+    EXPECT(correction.summary().frame == 22);
+    EXPECT(error_of([&] { session.exchange(0.0, 0.01, {crossed.data(), 5}, 60s); }) == UNTANGLED_INVALID_ARGUMENT);
+    EXPECT(error_of([&] { session.begin_frame_f64(0.0, 0.01); }) == UNTANGLED_PRECISION);
+    EXPECT(error_of([&] { session.update_settings("{\"quality\": 1}", 60s); }) == UNTANGLED_REFUSED);
+    session.update_settings("{\"quality\": \"fast\"}", 60s);
+    EXPECT(client.status().find("untangled.status/1") != std::string::npos);
+
+    cloth.precision = UNTANGLED_F64;
+    auto precise = client.open(cloth);
+    auto frame = precise.begin_frame_f64(0.0, 0.01);
+    for (std::size_t k = 0; k < 6; ++k) {
+        std::copy(crossed[k].begin(), crossed[k].end(), frame.positions()[k].begin());
+    }
+    EXPECT(precise.wait(frame.send(), 60s).summary().num_edge_face_intersections == 2);
+    try {
+        precise.wait(1000, 1ms);
+        EXPECT(!"frame 1000");
+    } catch (const untangled::Error &error) {
+        EXPECT(error.transient() && error.code() == UNTANGLED_TIMEOUT);
+    }
+    std::puts("the wrapper keeps its word");
+    return 0;
+}

@@ -1,0 +1,402 @@
+// What a C or C++ host links to talk to the untangled daemon. clients/README.md says how; clients/c/example.c shows it.
+//
+// Made from the crate in this folder, and kept in step by a test: WRITE_HEADER=1 cargo test -p untangled-client-c
+//
+// A session may be used from any thread, by one at a time: calls of others wait. Lengths are in metres, times in seconds, masses in
+// kilograms, forces in newtons. Functions return a code; untangled_last_error() says it in words.
+
+#ifndef UNTANGLED_H
+#define UNTANGLED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// The vertex is inside: switch the host's self-collision off here.
+#define UNTANGLED_INSIDE 1
+
+// The vertex is near a path: switch the host's self-collision off here too.
+#define UNTANGLED_NEAR_PATH 2
+
+// The correction was limited.
+#define UNTANGLED_CLAMPED 4
+
+// The vertex is pinned and never corrected.
+#define UNTANGLED_PINNED 8
+
+// Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
+#define UNTANGLED_MASK 3
+
+// The version of this interface. It changes where a program has to be compiled again.
+#define UNTANGLED_ABI_VERSION 1
+
+// What became of a call. `untangled_last_error` says it in words.
+enum untangled_error
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Done.
+    UNTANGLED_OK = 0,
+    // An argument is null, not aligned, too long, of the wrong length, or no such code.
+    UNTANGLED_INVALID_ARGUMENT = 1,
+    // The handle was closed or released, or never was one.
+    UNTANGLED_INVALID_HANDLE = 2,
+    // A frame was begun and neither sent nor abandoned.
+    UNTANGLED_FRAME_OPEN = 3,
+    // No frame was begun.
+    UNTANGLED_NO_FRAME = 4,
+    // The session was registered with the other precision.
+    UNTANGLED_PRECISION = 5,
+    // No daemon serves the domain.
+    UNTANGLED_NO_DAEMON = 6,
+    // The daemon runs another version of iceoryx2 or of the protocol.
+    UNTANGLED_VERSION = 7,
+    // The domain can't be used.
+    UNTANGLED_DOMAIN = 8,
+    // It did not come in time. Go on without.
+    UNTANGLED_TIMEOUT = 9,
+    // The daemon refused a request; the message names the element and the value at fault.
+    UNTANGLED_REFUSED = 10,
+    // Shared memory is too full.
+    UNTANGLED_NOT_ENOUGH_MEMORY = 11,
+    // The transport failed.
+    UNTANGLED_TRANSPORT = 12,
+    // The daemon went away, and has not yet taken the session up again. Go on without, and try again with the next frame.
+    UNTANGLED_RECONNECTING = 13,
+    // The daemon went away while it was waited for. Go on without; the next frame registers the session again.
+    UNTANGLED_DAEMON_LOST = 14,
+    // The daemon went on to a newer frame. Go on without.
+    UNTANGLED_OVERTAKEN = 15,
+    // The daemon could not use the frame; the message names the vertex and the value at fault. The session lives on.
+    UNTANGLED_FRAME_REFUSED = 16,
+    // Nothing has come since the last call.
+    UNTANGLED_NOTHING_NEW = 17,
+    // As many corrections are held as a session may hold: release one.
+    UNTANGLED_TOO_MANY_CORRECTIONS = 18,
+    // Something in this library failed that should not.
+    UNTANGLED_INTERNAL = 19,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum untangled_error untangled_error;
+#else
+typedef int32_t untangled_error;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Precision of the positions that a session publishes.
+enum untangled_precision
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Single.
+    UNTANGLED_F32 = 0,
+    // Double.
+    UNTANGLED_F64 = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum untangled_precision untangled_precision;
+#else
+typedef uint32_t untangled_precision;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What corrections shall be.
+enum untangled_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Newtons; needs masses.
+    UNTANGLED_FORCE = 0,
+    // Metres per second squared.
+    UNTANGLED_ACCELERATION = 1,
+    // Metres per second.
+    UNTANGLED_VELOCITY_CHANGE = 2,
+    // Metres.
+    UNTANGLED_DISPLACEMENT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum untangled_kind untangled_kind;
+#else
+typedef uint32_t untangled_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles` are required.
+typedef struct {
+    // Set by `untangled_registration_init`; a library whose structure has another size refuses it.
+    size_t struct_size;
+    // Number of vertices.
+    size_t num_vertices;
+    // Vertex indices, `num_triangles x 3`.
+    const uint32_t *triangles;
+    // Number of triangles.
+    size_t num_triangles;
+    // Texture coordinates, `num_uv_coordinates x 2`, or null.
+    const double *uv_coordinates;
+    // Number of texture coordinates.
+    size_t num_uv_coordinates;
+    // For each triangle the texture coordinate of its corners, `num_triangles x 3`; null only without texture coordinates.
+    const uint32_t *uv_corners;
+    // Unstrained positions in metres, `num_vertices x 3`, or null.
+    const double *rest_positions_m;
+    // Mass of each vertex in kilograms, or null; needed for forces.
+    const double *masses_kg;
+    // Vertices that the host does not let move, or null.
+    const uint32_t *pins;
+    // Number of pins.
+    size_t num_pins;
+    // Layer of each vertex, from the body outwards, or null.
+    const uint32_t *layers;
+    // `UNTANGLED_F32` (as `untangled_registration_init` leaves it) or `UNTANGLED_F64`.
+    uint32_t precision;
+    // `UNTANGLED_FORCE` and so on; `UNTANGLED_DISPLACEMENT` as `untangled_registration_init` leaves it.
+    uint32_t correction;
+    // 1 to receive intersection paths with each correction, else 0.
+    uint32_t paths;
+    // Zero.
+    uint32_t reserved;
+    // Settings by name as a JSON object, as in `untangled config`; null for the daemon's defaults.
+    const char *settings_json;
+} untangled_registration;
+
+// A connection to a daemon; `{0}` is none.
+typedef struct {
+    // Its number.
+    uint64_t id;
+} untangled_client;
+
+// One cloth that the daemon knows; `{0}` is none.
+typedef struct {
+    // Its number.
+    uint64_t id;
+} untangled_session;
+
+// Value and flags of a vertex.
+typedef struct {
+    // In the unit of the kind that was asked for.
+    float value[3];
+    // `UNTANGLED_INSIDE` and so on.
+    uint32_t flags;
+} untangled_vertex;
+
+// An intersection path.
+typedef struct {
+    // Which pair it belongs to.
+    uint32_t pair;
+    // Type of that pair: CLOSED/CLOSED, EIGHT, LL, BLI, BLB, BLLB, CROSS, BB/II, BB/BI, BB/BB, BI/BI.
+    uint32_t pair_type;
+    // Type of this path: CLOSED, LL, BLI, BLB, BB, BI, II.
+    uint32_t path_type;
+    // Index of the corresponding path; its own where it is its own.
+    uint32_t partner;
+    // 1 for a loop on the cloth, else 0.
+    uint32_t closed;
+    // Index of its first point. Check it against the number of points: the daemon wrote it.
+    uint32_t first_point;
+    // Number of its points.
+    uint32_t num_points;
+    // Zero.
+    uint32_t reserved;
+} untangled_path;
+
+// A point of an intersection path.
+typedef struct {
+    // In the world, in metres.
+    double position_m[3];
+    // The face that the path runs through after this point, and the partner's.
+    uint32_t faces[2];
+} untangled_path_point;
+
+// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or `untangled_close`.
+typedef struct {
+    // The frame that it is for.
+    uint64_t frame;
+    // Simulated time of that frame in seconds.
+    double simulated_s;
+    // Step of that frame in seconds.
+    double dt_s;
+    // Number of vertices.
+    size_t num_vertices;
+    // Value and flags of each vertex.
+    const untangled_vertex *vertices;
+    // Number of intersection paths; 0 where they were not asked for.
+    size_t num_paths;
+    // Intersection paths, or null.
+    const untangled_path *paths;
+    // Number of points of all paths.
+    size_t num_path_points;
+    // Points of all paths, or null.
+    const untangled_path_point *path_points;
+    // What the values are.
+    uint32_t kind;
+    // 1 where time was up before all paths had been worked on, else 0.
+    uint32_t truncated;
+    // Number of edges that pierce a face.
+    uint64_t num_edge_face_intersections;
+    // Number of intersecting face pairs.
+    uint64_t num_face_pairs;
+    // Length of all paths in metres, each pair once.
+    double contour_length_m;
+    // Number of vertices that are inside.
+    uint64_t num_inside;
+    // Longest displacement that the correction makes in one step, in metres.
+    double max_displacement_m;
+    // Force left over, in newtons.
+    double net_force_n[3];
+    // Torque left over, in newton metres.
+    double net_torque_nm[3];
+    // Number of path pairs by type, as in `untangled_path.pair_type`.
+    uint32_t num_pairs[16];
+    // Nanoseconds of each stage: ingest, intersect, paths, regions, correspond, respond, publish, total.
+    uint64_t stage_ns[8];
+    // Frames so far that were overtaken before the daemon looked at them.
+    uint64_t num_skipped_frames;
+    // Where truncated: number of path pairs for which time did not suffice.
+    uint64_t num_pairs_left_out;
+    // Where truncated: their length in metres.
+    double length_left_out_m;
+    // What `untangled_release` knows it by.
+    uint64_t token;
+} untangled_correction;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// Why the last call of this thread that failed did so, in words, UTF-8. It is valid until the next call of this thread.
+const char *untangled_last_error(void);
+
+// Whether a simulation should go on without help for this step, and try again with the next one.
+bool untangled_is_transient(int32_t code);
+
+// Writes what a registration is before anything is said: empty, single precision, displacements.
+//
+// # Safety
+// `registration` is null, or a registration may be written there.
+untangled_error untangled_registration_init(untangled_registration *registration);
+
+// `UNTANGLED_ABI_VERSION` of the library that was linked, to compare with that of the header.
+uint32_t untangled_abi_version(void);
+
+// Connects to the daemon of a domain, waiting up to `timeout_us` microseconds for it to come up; later requests may take as long.
+// `domain` null is the environment variable `UNTANGLED_DOMAIN`, else `default`.
+//
+// # Safety
+// `domain` is null or ends in a zero byte; `client` is null or may be written.
+untangled_error untangled_connect(const char *domain,
+                                  uint64_t timeout_us,
+                                  untangled_client *client);
+
+// Ends a connection. Its sessions live on.
+untangled_error untangled_disconnect(untangled_client client);
+
+// Opens a session; everything that `registration` points to is copied.
+//
+// # Safety
+// `registration` is null or points to one whose addresses are null or hold as many elements as it says; `session` is null or may be
+// written.
+untangled_error untangled_register(untangled_client client,
+                                   const untangled_registration *registration,
+                                   untangled_session *session);
+
+// Ends a session. What it has lent, positions and corrections, must not be used any more.
+untangled_error untangled_close(untangled_session session);
+
+// Number of vertices of a session; 0 for no session.
+size_t untangled_num_vertices(untangled_session session);
+
+// How often a session was registered, more than once if a daemon went away; 0 for no session.
+uint32_t untangled_num_registrations(untangled_session session);
+
+// Replaces a session's settings from the next frame on; names left out take the daemon's defaults.
+//
+// # Safety
+// `settings_json` is null or ends in a zero byte.
+untangled_error untangled_update_settings(untangled_session session, const char *settings_json, uint64_t timeout_us);
+
+// The daemon's state as a JSON document (schema `untangled.status/1`) that ends in a zero byte. Its length without that goes to
+// `length`; a `buffer` of `capacity` bytes that is too short is `UNTANGLED_INVALID_ARGUMENT`, and null with 0 asks for the length alone.
+//
+// # Safety
+// `buffer` is null or `capacity` bytes may be written there; `length` is null or may be written.
+untangled_error untangled_status(untangled_client client,
+                                 char *buffer,
+                                 size_t capacity,
+                                 size_t *length);
+
+// Begins a frame of a session in single precision: `positions` becomes the address of `num_vertices x 3` numbers in shared memory, in
+// metres. They hold what an earlier frame left there: write all of them, then call `untangled_send_frame`. One frame at a time.
+//
+// # Safety
+// `positions` is null or may be written.
+untangled_error untangled_begin_frame(untangled_session session,
+                                      double simulated_s,
+                                      double dt_s,
+                                      float **positions);
+
+// `untangled_begin_frame` of a session in double precision.
+//
+// # Safety
+// `positions` is null or may be written.
+untangled_error untangled_begin_frame_f64(untangled_session session,
+                                          double simulated_s,
+                                          double dt_s,
+                                          double **positions);
+
+// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any more, whatever
+// this returns.
+//
+// # Safety
+// `frame` is null or may be written.
+untangled_error untangled_send_frame(untangled_session session,
+                                     uint64_t *frame);
+
+// Drops the frame that was begun. The positions must not be used any more.
+untangled_error untangled_abandon_frame(untangled_session session);
+
+// Waits for the correction of a frame, up to `deadline_us` microseconds. Release what it wrote to `correction`; a session can hold
+// three.
+//
+// # Safety
+// `correction` is null or may be written.
+untangled_error untangled_wait(untangled_session session,
+                               uint64_t frame,
+                               uint64_t deadline_us,
+                               untangled_correction *correction);
+
+// The newest correction that has come since the last call; `UNTANGLED_NOTHING_NEW` where none has. Does not block.
+//
+// # Safety
+// `correction` is null or may be written.
+untangled_error untangled_newest(untangled_session session, untangled_correction *correction);
+
+// Copies `num_vertices x 3` positions into a frame, sends it, and waits for its correction: lock step in one call, for hosts that keep
+// their positions elsewhere. `num_vertices` must be the session's.
+//
+// # Safety
+// `positions` is null or holds `num_vertices x 3` numbers; `correction` is null or may be written.
+untangled_error untangled_exchange(untangled_session session,
+                                   double simulated_s,
+                                   double dt_s,
+                                   const float *positions,
+                                   size_t num_vertices,
+                                   uint64_t deadline_us,
+                                   untangled_correction *correction);
+
+// Gives a correction back, and clears it. Its addresses must not be used any more.
+//
+// # Safety
+// `correction` is null or points to one.
+untangled_error untangled_release(untangled_session session, untangled_correction *correction);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* UNTANGLED_H */

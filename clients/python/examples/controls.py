@@ -1,0 +1,90 @@
+"""What the examples of all hosts share: four controls, a table, and pictures.
+
+A demonstration needs controls: no help, the mask alone, the force alone, and both. Only the last may untangle.
+"""
+
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+
+import picture
+import untangled
+
+CONTROLS = [("no help", False, False), ("mask only", False, True), ("force without mask", True, False), ("force + mask", True, True)]
+
+
+class Daemon:
+    """A daemon of this program's own, unless `domain` names one that runs."""
+
+    def __init__(self, domain):
+        self.domain, self.process = domain, None
+        if domain is None:
+            root = pathlib.Path(__file__).resolve().parents[3]
+            places = [os.environ.get("DAEMON_PROGRAM"), shutil.which("untangled")]
+            places += [str(root / "target" / profile / "untangled") for profile in ("release", "debug")]
+            program = next((place for place in places if place and os.access(place, os.X_OK)), None)
+            if program is None:
+                sys.exit("there is no daemon: build it with `cargo build --release`, or set DAEMON_PROGRAM")
+            self.domain = f"example-{os.getpid()}"
+            self.process = subprocess.Popen([program, "serve", "--domain", self.domain], stderr=subprocess.DEVNULL)
+
+    def __enter__(self):
+        return self.domain
+
+    def __exit__(self, *_):
+        if self.process:
+            self.process.terminate()
+            self.process.wait()
+
+
+def arguments(description):
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--out", type=pathlib.Path, help="folder for before.png and after.png of each control")
+    parser.add_argument("--domain", help="of a daemon that runs; without it one is started")
+    parser.add_argument("--steps", type=int, help="most steps with help")
+    parser.add_argument("--after", type=int, default=60, help="steps after the mask is gone")
+    parser.add_argument("--only", help="one control, by name")
+    return parser.parse_args()
+
+
+def run(title, simulate, scene, options):
+    """Runs `simulate(use_force, use_mask)`, which yields after each step what it is in and the positions, for each control.
+
+    The count is that of an exact check that shares no code with the untangler. Returns whether the last control ended clean for good.
+    """
+    vertices, triangles, rest, _ = scene
+    layers = rest[triangles][:, :, 0].mean(1) < rest[:, 0].max() / 2
+    count = lambda positions: untangled.count_intersections(positions, triangles)
+
+    def draw(name, positions):
+        if options.out:
+            options.out.mkdir(parents=True, exist_ok=True)
+            marked = untangled.analyse(positions, triangles).face_pairs.ravel()
+            picture.render(options.out / name, positions, triangles, layers, marked)
+
+    draw("before.png", vertices)
+    print(f"{title}\n\n| control | edges that pierce a face: start | after the steps with help | most in the {options.after} steps after | steps until clean |")
+    print("|---|---|---|---|---|", flush=True)
+    good = False
+    for name, force, mask in CONTROLS:
+        if options.only not in (None, name):
+            continue
+        start, helped, worst, clean_at, positions = count(vertices), None, 0, None, vertices
+        for step, (phase, positions) in enumerate(simulate(force, mask)):
+            now = count(positions)
+            if phase == "help":
+                helped = now
+                if now == 0 and clean_at is None:
+                    clean_at = step + 1
+            else:
+                worst = max(worst, now)
+        strained = not np.isfinite(positions).all()
+        print(f"| {name} | {start} | {helped} | {worst}{' (not finite)' if strained else ''} | {'never' if clean_at is None else clean_at} |", flush=True)
+        draw(f"after {name}.png".replace("+", "and").replace(" ", "-"), positions)
+        good = (helped, worst) == (0, 0)
+    return good

@@ -1,0 +1,91 @@
+//! Exceptions.
+
+use pyo3::{create_exception, exceptions::PyException, prelude::*};
+use untangled_client::{ConnectError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError};
+
+create_exception!(untangled, Error, PyException, "What all errors of this package are.");
+create_exception!(untangled, NoDaemon, Error, "No daemon serves the domain.");
+create_exception!(
+    untangled,
+    Refused,
+    Error,
+    "The daemon refused; the message names the element and the value at fault."
+);
+create_exception!(
+    untangled,
+    FrameRefused,
+    Error,
+    "The daemon could not use the frame; the message names the vertex and the value at fault. The session lives on."
+);
+create_exception!(
+    untangled,
+    Missed,
+    Error,
+    "No correction for this frame: it did not come in time, or the daemon went away or on to a newer frame. Go on without it; the next \
+     frame tries again, and registers again by itself."
+);
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("Error", py.get_type::<Error>())?;
+    module.add("NoDaemon", py.get_type::<NoDaemon>())?;
+    module.add("Refused", py.get_type::<Refused>())?;
+    module.add("FrameRefused", py.get_type::<FrameRefused>())?;
+    module.add("Missed", py.get_type::<Missed>())
+}
+
+pub(crate) fn request(error: RequestError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        RequestError::NoDaemon { .. } => NoDaemon::new_err(message),
+        RequestError::Refused { .. } | RequestError::NotEnoughMemory { .. } => Refused::new_err(message),
+        RequestError::Timeout { .. } | RequestError::Transport { .. } => Error::new_err(message),
+    }
+}
+
+pub(crate) fn connect(error: ConnectError) -> PyErr {
+    match error {
+        ConnectError::Request(error) => request(error),
+        other => Error::new_err(other.to_string()),
+    }
+}
+
+pub(crate) fn register(error: RegisterError) -> PyErr {
+    let RegisterError::Request(error) = error;
+    request(error)
+}
+
+pub(crate) fn publish(error: PublishError) -> PyErr {
+    match error {
+        PublishError::Reconnecting => Missed::new_err(error.to_string()),
+        PublishError::Request(error) => request(error),
+        PublishError::Precision { .. } => Error::new_err(error.to_string()),
+    }
+}
+
+pub(crate) fn wait(error: WaitError) -> PyErr {
+    match error {
+        WaitError::Timeout { .. } | WaitError::DaemonLost { .. } | WaitError::Overtaken { .. } => {
+            Missed::new_err(error.to_string())
+        }
+        WaitError::Refused(error) => refused(error),
+        WaitError::Receive { reason } => receive(&reason),
+    }
+}
+
+pub(crate) fn newest(error: NewestError) -> PyErr {
+    match error {
+        NewestError::Refused(error) => refused(error),
+        NewestError::Receive { reason } => receive(&reason),
+    }
+}
+
+fn refused(error: FrameRefusal) -> PyErr {
+    FrameRefused::new_err(error.to_string())
+}
+
+fn receive(reason: &str) -> PyErr {
+    Error::new_err(format!(
+        "{reason}: a session lends three corrections at a time. Arrays that look into a correction hold it; copy what is to be kept"
+    ))
+}

@@ -1,0 +1,30 @@
+//! The native half of the Python package `untangled`: what `untangled/session.py` and `untangled/library.py` are made of.
+//!
+//! Arrays cross the border in two ways. What stays (positions of a frame, corrections, paths) is shared memory, which numpy looks at through
+//! `__array_interface__`: an address, a shape, and an object that keeps the memory in place for as long as an array looks there. What is
+//! said once (a registration, a mesh to analyse) is bytes, copied.
+//!
+//! Sessions may be used from any thread, by one at a time, and wait without the interpreter's lock.
+
+mod bytes;
+mod correction;
+mod error;
+mod library;
+mod memory;
+mod session;
+
+use pyo3::prelude::*;
+
+/// The module `untangled._native`.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<session::NativeSession>()?;
+    module.add_class::<correction::NativeCorrection>()?;
+    module.add_class::<memory::Memory>()?;
+    module.add_function(wrap_pyfunction!(library::analyse, module)?)?;
+    module.add_function(wrap_pyfunction!(library::count_intersections, module)?)?;
+    module.add_function(wrap_pyfunction!(library::fix, module)?)?;
+    module.add_function(wrap_pyfunction!(session::status, module)?)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    error::add(module)
+}

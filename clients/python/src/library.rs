@@ -1,0 +1,187 @@
+//! The library without a daemon: analysis and repair of one state.
+
+use std::ops::ControlFlow;
+
+use pyo3::{
+    exceptions::{PyRuntimeError, PyValueError},
+    prelude::*,
+    types::{PyBytes, PyDict, PyList},
+};
+use untangled::{
+    analysis::Analyser,
+    frame::Frame,
+    mesh::{Mesh, MeshDescription, Uvs},
+    paths::{PairType, PathType},
+    relax::{Quality, RelaxSettings, relax},
+    settings::Settings,
+};
+use untangled_publisher::check::count_edge_face;
+
+use crate::bytes::{f64s, of_f64s, of_u32s, u32s};
+
+/// A mesh of Python's: bytes, indices of u32 and numbers of f64.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Cloth {
+    vertices: Vec<u8>,
+    triangles: Vec<u8>,
+    uvs: Option<Vec<u8>>,
+    uv_corners: Option<Vec<u8>>,
+    rest_positions: Option<Vec<u8>>,
+    pins: Vec<u8>,
+    layers: Option<Vec<u8>>,
+}
+
+impl Cloth {
+    fn read(&self) -> PyResult<(Mesh, Vec<[f64; 3]>)> {
+        let positions: Vec<[f64; 3]> = f64s("vertices", &self.vertices)?;
+        let uvs = match (&self.uvs, &self.uv_corners) {
+            (Some(uvs), Some(corners)) => {
+                Some(Uvs { coordinates: f64s("uv", uvs)?, corners: u32s("uv_triangles", corners)? })
+            }
+            _ => None,
+        };
+        let rest_positions = self.rest_positions.as_deref().map(|rest| f64s("rest_positions", rest)).transpose()?;
+        let layers = self.layers.as_deref().map(|layers| u32s::<1>("layers", layers)).transpose()?;
+        let description = MeshDescription {
+            num_vertices: positions.len(),
+            faces: u32s("triangles", &self.triangles)?,
+            uvs,
+            rest_positions,
+            masses_kg: None,
+            pins: u32s::<1>("pins", &self.pins)?.into_flattened(),
+            layers: layers.map(|layers| layers.into_flattened()),
+        };
+        let mesh = Mesh::new(description).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok((mesh, positions))
+    }
+}
+
+/// Analyses one state: counts, pairs, paths and who is inside, by name; arrays are bytes.
+#[pyfunction]
+pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyResult<Bound<'py, PyDict>> {
+    let settings: Settings =
+        serde_json::from_str(settings).map_err(|error| PyValueError::new_err(format!("settings: {error}")))?;
+    settings.validate().map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let (mesh, positions) = cloth.read()?;
+    let frame = Frame::new(&mesh, &positions).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let mut analyser = Analyser::default();
+    let analysis = py.detach(|| analyser.analyse(&mesh, &frame, &settings, &mut ()));
+
+    let mut inside = vec![0u8; mesh.num_vertices()];
+    for vertex in &analysis.regions.vertices {
+        inside[vertex.index()] = 1;
+    }
+    let paths = PyList::empty(py);
+    for (copy, path) in analysis.paths.copies.iter().enumerate() {
+        let points = &analysis.paths.points[path.points.clone()];
+        let segments = &analysis.paths.segments[path.segments.clone()];
+        let faces = (0..points.len()).map(|k| segments.get(k).or(segments.last()));
+        let record = PyDict::new(py);
+        record.set_item("pair", path.pair)?;
+        record.set_item("pair_type", pair_name(analysis.paths.pairs[path.pair].pair_type))?;
+        record.set_item("type", path_name(path.path_type))?;
+        record.set_item("partner", path.partner)?;
+        record.set_item("closed", path.closed)?;
+        let coordinates = points.iter().flat_map(|point| <[f64; 3]>::from(point.position.coords));
+        record.set_item("points", PyBytes::new(py, &of_f64s(coordinates)))?;
+        let faces = faces.flat_map(|segment| segment.map_or([u32::MAX; 2], |s| [s.own.0, s.partner.0]));
+        record.set_item("faces", PyBytes::new(py, &of_u32s(faces)))?;
+        let region = analysis.regions.vertices_of(copy).iter().map(|vertex| vertex.0);
+        record.set_item("inside", PyBytes::new(py, &of_u32s(region)))?;
+        paths.append(record)?;
+    }
+    let intersections = &analysis.intersections;
+    let edges = intersections.edge_face.iter().flat_map(|hit| {
+        let [p, q] = mesh.edge(hit.edge);
+        [p.0, q.0, hit.face.0]
+    });
+    let pairs = intersections.segments.iter().flat_map(|segment| segment.faces.map(|face| face.0));
+    let found = PyDict::new(py);
+    found.set_item("edge_face", PyBytes::new(py, &of_u32s(edges)))?;
+    found.set_item("face_pairs", PyBytes::new(py, &of_u32s(pairs)))?;
+    found.set_item("contour_length_m", analysis.paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>())?;
+    found.set_item("inside", PyBytes::new(py, &inside))?;
+    found.set_item("paths", paths)?;
+    Ok(found)
+}
+
+/// Brings one state apart, by name: positions as bytes, what is left by a check that shares no code with the repair, blocked paths.
+#[pyfunction]
+pub(crate) fn fix<'py>(
+    py: Python<'py>,
+    cloth: Cloth,
+    quality: &str,
+    max_iterations: usize,
+    single_precision: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let quality = match quality {
+        "fast" => Quality::Fast,
+        "balanced" => Quality::Balanced,
+        "accurate" => Quality::Accurate,
+        other => return Err(PyValueError::new_err(format!("there is no quality {other:?}"))),
+    };
+    let (mesh, positions) = cloth.read()?;
+    let triangles: Vec<[u32; 3]> = u32s("triangles", &cloth.triangles)?;
+    let settings = RelaxSettings { quality, max_iterations, single_precision };
+    let (relaxed, left) = py.detach(|| {
+        // Ctrl-C ends the work between two iterations; Python hears of it when this returns.
+        let mut progress = |_: &_| match Python::attach(|py| py.check_signals()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let relaxed = relax(&mesh, &positions, &settings, &mut progress)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let left = count_edge_face(&relaxed.positions, &triangles)
+            .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        Ok::<_, PyErr>((relaxed, left))
+    })?;
+    if relaxed.interrupted {
+        return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(()));
+    }
+    let result = PyDict::new(py);
+    result.set_item("vertices", PyBytes::new(py, &of_f64s(relaxed.positions.into_iter().flatten())))?;
+    result.set_item("num_edge_face_intersections", left)?;
+    result.set_item("num_iterations", relaxed.history.len())?;
+    let blocked = PyList::empty(py);
+    for path in relaxed.blocked {
+        blocked.append((pair_name(path.pair_type), path.vertex, path.length_m, path.reason))?;
+    }
+    result.set_item("blocked", blocked)?;
+    Ok(result)
+}
+
+/// Edges that pierce a face, by a check that shares no code with the untangler.
+#[pyfunction]
+pub(crate) fn count_intersections(py: Python<'_>, vertices: &[u8], triangles: &[u8]) -> PyResult<usize> {
+    let (positions, triangles) = (f64s("vertices", vertices)?, u32s("triangles", triangles)?);
+    py.detach(|| count_edge_face(&positions, &triangles)).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+fn pair_name(pair_type: PairType) -> &'static str {
+    match pair_type {
+        PairType::Closed => "CLOSED/CLOSED",
+        PairType::Eight => "EIGHT",
+        PairType::LoopLoop => "LL",
+        PairType::BoundaryLoopInside => "BLI",
+        PairType::BoundaryLoopBoundary => "BLB",
+        PairType::BoundaryLoopLoopBoundary => "BLLB",
+        PairType::Cross => "CROSS",
+        PairType::BoundaryBoundaryInsideInside => "BB/II",
+        PairType::BoundaryBoundaryBoundaryInside => "BB/BI",
+        PairType::BoundaryBoundaryBoundaryBoundary => "BB/BB",
+        PairType::BoundaryInside => "BI/BI",
+    }
+}
+
+fn path_name(path_type: PathType) -> &'static str {
+    match path_type {
+        PathType::Closed => "CLOSED",
+        PathType::LoopLoop => "LL",
+        PathType::BoundaryLoopInside => "BLI",
+        PathType::BoundaryLoopBoundary => "BLB",
+        PathType::BoundaryBoundary => "BB",
+        PathType::BoundaryInside => "BI",
+        PathType::InsideInside => "II",
+    }
+}

@@ -1,0 +1,212 @@
+//! A session: one cloth, its frames and its corrections.
+
+use std::{
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
+};
+
+use pyo3::{exceptions::PyValueError, prelude::*};
+use untangled_client::{
+    Client, ClientOptions, CorrectionKind, Loan, Precision, Registration, Session, StepTime, Uvs, WaitError,
+};
+
+use crate::{
+    bytes::{f64s, u32s},
+    correction::NativeCorrection,
+    error::{self, Error},
+    memory::Memory,
+};
+
+/// Longest wait before Python is asked whether somebody pressed Ctrl-C.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// A session, until it is closed.
+#[pyclass(frozen, module = "untangled._native")]
+pub(crate) struct NativeSession(Mutex<Option<Open>>);
+
+/// Fields are dropped in order.
+struct Open {
+    loan: Option<Loan>,
+    session: Session,
+}
+
+#[pymethods]
+impl NativeSession {
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
+    #[new]
+    #[pyo3(signature = (domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind, paths, settings))]
+    #[expect(clippy::too_many_arguments, reason = "Python names them")]
+    fn new(
+        py: Python<'_>,
+        domain: Option<String>,
+        timeout_s: f64,
+        num_vertices: usize,
+        triangles: &[u8],
+        uvs: Option<&[u8]>,
+        uv_corners: Option<&[u8]>,
+        rest_positions: Option<&[u8]>,
+        masses: Option<&[u8]>,
+        pins: &[u8],
+        layers: Option<&[u8]>,
+        double: bool,
+        kind: &str,
+        paths: bool,
+        settings: &str,
+    ) -> PyResult<Self> {
+        let uvs = match (uvs, uv_corners) {
+            (Some(uvs), Some(corners)) => {
+                Some(Uvs { coordinates: f64s("uv", uvs)?, corners: u32s("uv_triangles", corners)? })
+            }
+            _ => None,
+        };
+        let rest_positions = rest_positions.map(|bytes| f64s("rest_positions", bytes)).transpose()?;
+        let masses = masses.map(|bytes| f64s::<1>("masses", bytes)).transpose()?;
+        let layers = layers.map(|bytes| u32s::<1>("layers", bytes)).transpose()?;
+        let registration = Registration {
+            num_vertices,
+            triangles: u32s("triangles", triangles)?,
+            uvs,
+            rest_positions,
+            masses_kg: masses.map(|masses| masses.into_flattened()),
+            pins: u32s::<1>("pins", pins)?.into_flattened(),
+            layers: layers.map(|layers| layers.into_flattened()),
+            precision: if double { Precision::F64 } else { Precision::F32 },
+            correction: match kind {
+                "force" => CorrectionKind::Force,
+                "acceleration" => CorrectionKind::Acceleration,
+                "velocity" => CorrectionKind::VelocityChange,
+                "displacement" => CorrectionKind::Displacement,
+                other => return Err(PyValueError::new_err(format!("there is no correction {other:?}"))),
+            },
+            paths,
+            settings: parse(settings)?,
+        };
+        let timeout = seconds(timeout_s)?;
+        let session = py.detach(|| {
+            let client = Client::connect(ClientOptions { domain, timeout }).map_err(error::connect)?;
+            client.register(registration).map_err(error::register)
+        })?;
+        Ok(Self(Mutex::new(Some(Open { loan: None, session }))))
+    }
+
+    /// Lends the memory of the next frame's positions, which replaces a frame that was begun and not sent.
+    fn begin(&self, py: Python<'_>, simulated_s: f64, dt_s: f64) -> PyResult<Memory> {
+        py.detach(|| {
+            self.with(|open| {
+                open.loan = None;
+                let mut loan = open.session.loan(StepTime { simulated_s, dt_s }).map_err(error::publish)?;
+                let owner = Arc::new(loan.memory());
+                let memory = if let Some(slots) = loan.positions_f32() {
+                    Memory::new(slots.as_ptr(), [slots.len(), 3, 12], "<f4", true, owner)
+                } else if let Some(slots) = loan.positions_f64() {
+                    Memory::new(slots.as_ptr(), [slots.len(), 3, 24], "<f8", true, owner)
+                } else {
+                    return Err(Error::new_err("positions of no precision"));
+                };
+                open.loan = Some(loan);
+                Ok(memory)
+            })
+        })
+    }
+
+    /// Sends the frame that was begun and returns its number.
+    fn send(&self, py: Python<'_>) -> PyResult<u64> {
+        py.detach(|| {
+            self.with(|open| {
+                let loan = open.loan.take().ok_or_else(|| Error::new_err("no frame was begun"))?;
+                open.session.send(loan).map_err(error::publish)
+            })
+        })
+    }
+
+    /// Drops the frame that was begun, if one was.
+    fn abandon(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| {
+            self.with(|open| {
+                open.loan = None;
+                Ok(())
+            })
+        })
+    }
+
+    /// Waits for the correction of a frame.
+    fn wait(&self, py: Python<'_>, frame: u64, deadline_s: f64) -> PyResult<NativeCorrection> {
+        let begin = Instant::now();
+        let deadline = seconds(deadline_s)?;
+        loop {
+            let left = deadline.saturating_sub(begin.elapsed());
+            let answer = py.detach(|| self.with(|open| Ok(open.session.wait(frame, left.min(SLICE)))))?;
+            match answer {
+                Ok(correction) => return Ok(NativeCorrection::new(correction)),
+                Err(WaitError::Timeout { .. }) if begin.elapsed() < deadline => py.check_signals()?,
+                Err(WaitError::Timeout { .. }) => {
+                    return Err(error::wait(WaitError::Timeout { frame, waited: begin.elapsed() }));
+                }
+                Err(error) => return Err(error::wait(error)),
+            }
+        }
+    }
+
+    /// The newest correction that has come since the last call, if any.
+    fn newest(&self, py: Python<'_>) -> PyResult<Option<NativeCorrection>> {
+        let newest = py.detach(|| self.with(|open| open.session.newest().map_err(error::newest)))?;
+        Ok(newest.map(NativeCorrection::new))
+    }
+
+    /// Replaces the settings from the next frame on.
+    fn update_settings(&self, py: Python<'_>, settings: &str, timeout_s: f64) -> PyResult<()> {
+        let (settings, timeout) = (parse(settings)?, seconds(timeout_s)?);
+        py.detach(|| self.with(|open| open.session.update_settings(settings, timeout).map_err(error::request)))
+    }
+
+    /// Number of the last frame that was sent.
+    #[getter]
+    fn frame(&self, py: Python<'_>) -> PyResult<u64> {
+        py.detach(|| self.with(|open| Ok(open.session.frame())))
+    }
+
+    /// How often the session was registered.
+    #[getter]
+    fn num_registrations(&self, py: Python<'_>) -> PyResult<u32> {
+        py.detach(|| self.with(|open| Ok(open.session.num_registrations())))
+    }
+
+    /// Ends the session.
+    fn close(&self, py: Python<'_>) {
+        py.detach(|| drop(self.lock().take()));
+    }
+}
+
+impl NativeSession {
+    /// Never called with the interpreter's lock, since whoever holds this one may be waiting.
+    fn lock(&self) -> MutexGuard<'_, Option<Open>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn with<T>(&self, call: impl FnOnce(&mut Open) -> PyResult<T>) -> PyResult<T> {
+        call(self.lock().as_mut().ok_or_else(|| Error::new_err("the session is closed"))?)
+    }
+}
+
+/// The state of a domain's daemon as JSON.
+#[pyfunction]
+pub(crate) fn status(py: Python<'_>, domain: Option<String>, timeout_s: f64) -> PyResult<String> {
+    let timeout = seconds(timeout_s)?;
+    py.detach(|| {
+        let client = Client::connect(ClientOptions { domain, timeout }).map_err(error::connect)?;
+        client.status().map(|status| status.to_string()).map_err(error::request)
+    })
+}
+
+/// A length of time; what is longer than a year is one.
+fn seconds(seconds: f64) -> PyResult<Duration> {
+    if seconds.is_nan() || seconds < 0.0 {
+        return Err(PyValueError::new_err(format!("{seconds} seconds are no length of time to wait")));
+    }
+    Ok(Duration::from_secs_f64(seconds.min(3.2e7)))
+}
+
+/// Settings from JSON.
+pub(crate) fn parse(settings: &str) -> PyResult<serde_json::Value> {
+    serde_json::from_str(settings).map_err(|error| PyValueError::new_err(format!("settings: {error}")))
+}

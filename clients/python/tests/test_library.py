@@ -1,0 +1,51 @@
+"""The library without a daemon."""
+
+import numpy as np
+import pytest
+
+import untangled
+
+
+def test_analyse(crossed):
+    found = untangled.analyse(crossed.vertices, crossed.triangles)
+    assert found.num_intersections == 2 and found.face_pairs.tolist() == [[0, 1]]
+    assert found.edge_face[:, 2].tolist() == [0, 0] and found.inside.tolist() == [False] * 5 + [True]
+    assert found.contour_length > 0
+    path = found.paths[0]
+    assert (path.type, path.pair_type, path.closed) == ("BB", "BB/II", False)
+    assert path.points.shape == (2, 3) and path.faces.tolist() == [[1, 0], [1, 0]]
+    assert [path.inside.tolist() for path in found.paths] == [[5], []]
+
+
+def test_fix(sheets):
+    before = untangled.analyse(sheets.vertices, sheets.triangles).num_intersections
+    result = untangled.fix(sheets.vertices, sheets.triangles, single_precision=True)
+    assert before > 20 and result.clean and result.blocked == [] and result.num_iterations > 0
+    after = untangled.analyse(result.vertices.astype(np.float32), sheets.triangles)
+    assert after.num_intersections == 0 and not after.inside.any()
+    # What is clean comes back bit for bit.
+    again = untangled.fix(result.vertices, sheets.triangles)
+    assert again.vertices.tobytes() == result.vertices.tobytes()
+
+
+def test_pins_stay(sheets):
+    pins = np.arange(400)
+    result = untangled.fix(sheets.vertices, sheets.triangles, pins=pins)
+    assert np.array_equal(result.vertices[pins], sheets.vertices[pins])
+
+
+def test_bad_input_is_named(crossed):
+    bad = crossed.vertices.copy()
+    bad[3, 2] = np.inf
+    with pytest.raises(ValueError, match="3"):
+        untangled.analyse(bad, crossed.triangles)
+    with pytest.raises(ValueError, match="6"):
+        untangled.fix(crossed.vertices, [[0, 1, 6]])
+    with pytest.raises(ValueError, match="shape"):
+        untangled.analyse(crossed.vertices[:, :2], crossed.triangles)
+    with pytest.raises(ValueError, match="path_rings"):
+        untangled.analyse(crossed.vertices, crossed.triangles, settings={"path_rings": 1000})
+    with pytest.raises(ValueError, match="quality"):
+        untangled.fix(crossed.vertices, crossed.triangles, quality="best")
+    with pytest.raises(ValueError, match="one coordinate for each vertex"):
+        untangled.analyse(crossed.vertices, crossed.triangles, uv=np.zeros((3, 2)))

@@ -1,0 +1,250 @@
+"""Sessions against a real daemon."""
+
+import gc
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import untangled
+from conftest import DEADLINE
+
+
+def open_session(mesh, domain, **more):
+    return untangled.Session(mesh.triangles, domain=domain, timeout=DEADLINE, **more)
+
+
+def test_a_first_correction(crossed, domain):
+    with open_session(crossed, domain, masses=np.full(6, 0.1), paths=True) as session:
+        correction = session.exchange(crossed.vertices, dt=0.01, deadline=DEADLINE)
+        assert session.num_vertices == 6 and session.correction == "force" and correction.kind == "force"
+        assert correction.frame == session.last_frame == 1 and session.num_registrations == 1
+        assert correction.num_intersections == 2 and correction.num_inside == 1
+        assert correction.inside.tolist() == [False] * 5 + [True]
+        assert correction.mask[5] and correction.flags[5] & untangled.INSIDE
+        assert correction.force.shape == (6, 3) and correction.force.dtype == np.float32
+        assert correction.summary["num_pairs"] == {"BB/II": 1} and correction.summary["stage_ns"]["total"] > 0
+        assert "2 intersections" in repr(correction)
+
+
+def test_cloth_comes_apart(sheets, domain):
+    positions = sheets.vertices.copy()
+    with open_session(sheets, domain) as session:
+        for _ in range(200):
+            correction = session.exchange(positions, deadline=DEADLINE)
+            if correction.num_intersections == 0:
+                break
+            positions += correction.value
+        assert untangled.analyse(positions, sheets.triangles).num_intersections == 0
+
+
+def address(array):
+    return array.__array_interface__["data"][0]
+
+
+def mappings():
+    """Address ranges of shared memory in this process."""
+    with open("/proc/self/maps") as maps:
+        lines = [line.split() for line in maps if "/dev/shm/" in line]
+    return [tuple(int(end, 16) for end in line[0].split("-")) for line in lines]
+
+
+def is_shared(array):
+    return any(begin <= address(array) < end for begin, end in mappings())
+
+
+def test_nothing_is_copied(sheets, domain):
+    with open_session(sheets, domain, masses=np.full(800, 0.001), paths=True) as session:
+        with session.frame(dt=0.01) as positions:
+            assert is_shared(positions) and positions.flags.writeable and positions.dtype == np.float32
+            positions[:] = sheets.vertices
+        assert not positions.flags.writeable
+        correction = session.wait(deadline=DEADLINE)
+        paths = correction.paths
+        for view in (correction.force, correction.value, correction.flags, paths.points, paths.faces, paths[0].points):
+            assert is_shared(view) and not view.flags.owndata and not view.flags.writeable
+            with pytest.raises(ValueError):
+                view[0] = 0
+        # Value and flags lie side by side, sixteen bytes a vertex, as the daemon wrote them.
+        assert correction.force is correction.value
+        assert address(correction.flags) == address(correction.force) + 12
+        assert correction.force.strides == (16, 4) and correction.flags.strides == (16,)
+
+
+def test_strides_and_precision_of_what_is_sent_do_not_matter(crossed, domain):
+    expected = None
+    for dtype in (np.float32, np.float64):
+        with open_session(crossed, domain, dtype=dtype) as session:
+            wide = np.zeros((6, 7))
+            wide[:, 1:6:2] = crossed.vertices
+            for positions in (crossed.vertices, crossed.vertices.astype(np.float64), np.asfortranarray(wide[:, 1:6:2]), wide[:, 1:6:2]):
+                value = session.exchange(positions, dt=0.01, deadline=DEADLINE).value.copy()
+                expected = value if expected is None else expected
+                assert value.tobytes() == expected.tobytes()
+
+
+def test_paths(crossed, domain):
+    with open_session(crossed, domain, paths=True) as session:
+        paths = session.exchange(crossed.vertices, deadline=DEADLINE).paths
+        assert len(paths) == 2 and [path.type for path in paths] == ["BB", "II"]
+        found = untangled.analyse(crossed.vertices, crossed.triangles).paths
+        for path, other in zip(paths, found):
+            assert (path.type, path.pair_type, path.partner) == (other.type, other.pair_type, other.partner)
+            assert path.points.tobytes() == other.points.tobytes() and path.faces.tolist() == other.faces.tolist()
+    with open_session(crossed, domain) as session:
+        assert session.exchange(crossed.vertices, deadline=DEADLINE).paths is None
+
+
+def test_views_outlive_everything(crossed, daemon):
+    session = open_session(crossed, daemon.domain)
+    correction = session.exchange(crossed.vertices, deadline=DEADLINE)
+    with session.frame() as positions:
+        positions[:] = crossed.vertices
+    value, expected = correction.value, correction.value.copy()
+    correction.release()
+    with pytest.raises(untangled.Error, match="released"):
+        correction.value
+    session.close()
+    del session, correction
+    gc.collect()
+    daemon.stop()
+    assert value.tobytes() == expected.tobytes()
+    assert np.isfinite(positions).all()
+    daemon.start()
+
+
+def test_held_corrections_are_counted(crossed, domain):
+    with open_session(crossed, domain) as session:
+        held = [session.exchange(crossed.vertices, deadline=DEADLINE).value for _ in range(3)]
+        copies = []
+        del held
+        for _ in range(20):
+            with session.exchange(crossed.vertices, deadline=DEADLINE) as correction:
+                copies.append(correction.value.copy())
+        held = []
+        with pytest.raises(untangled.Error, match="copy what is to be kept"):
+            for _ in range(20):
+                held.append(session.exchange(crossed.vertices, deadline=DEADLINE).value)
+
+
+def test_free_running(crossed, domain):
+    with open_session(crossed, domain) as session:
+        assert session.newest() is None
+        with session.frame(dt=0.01) as positions:
+            positions[:] = crossed.vertices
+        end = time.monotonic() + DEADLINE
+        newest = None
+        while newest is None and time.monotonic() < end:
+            time.sleep(0.005)
+            newest = session.newest()
+        assert newest.frame == 1 and session.newest() is None
+        assert session.time == pytest.approx(0.01)
+
+
+def test_a_frame_that_fails_is_dropped(crossed, domain):
+    with open_session(crossed, domain) as session:
+        with pytest.raises(KeyError):
+            with session.frame() as positions:
+                raise KeyError("solver")
+        assert session.last_frame == 0 and not positions.flags.writeable
+        with pytest.raises(ValueError, match="shape"):
+            session.exchange(crossed.vertices[:5])
+        assert session.exchange(crossed.vertices, deadline=DEADLINE).frame == 1
+
+
+def test_what_is_refused_is_named(crossed, domain):
+    with pytest.raises(untangled.Refused, match="9"):
+        open_session(crossed, domain, num_vertices=6, pins=[9])
+    with pytest.raises(untangled.Refused, match="mass"):
+        open_session(crossed, domain, correction="force")
+    with pytest.raises(untangled.Refused, match="stifness"):
+        open_session(crossed, domain, settings={"stifness": 1})
+    with pytest.raises(ValueError, match="5 elements"):
+        open_session(crossed, domain, num_vertices=6, masses=[1] * 5)
+    with pytest.raises(ValueError, match="correction"):
+        open_session(crossed, domain, correction="push")
+    with pytest.raises(TypeError, match="integers"):
+        untangled.Session([[0.5, 1, 2]], domain=domain)
+    with pytest.raises(untangled.NoDaemon, match="nobody-home"):
+        untangled.Session([[0, 1, 2]], domain="nobody-home", timeout=0.01)
+    with open_session(crossed, domain) as session:
+        bad = crossed.vertices.copy()
+        bad[4, 1] = np.nan
+        with pytest.raises(untangled.FrameRefused, match="4"):
+            session.exchange(bad, deadline=DEADLINE)
+        with pytest.raises(untangled.Error, match="displacement"):
+            session.exchange(crossed.vertices, deadline=DEADLINE).force
+        with pytest.raises(untangled.Refused, match="quality"):
+            session.update_settings({"quality": "best"})
+        session.update_settings({"quality": "fast"})
+        assert untangled.status(domain=domain)["schema"] == "untangled.status/1"
+    with pytest.raises(untangled.Error, match="closed"):
+        session.exchange(crossed.vertices)
+
+
+def test_a_deadline_is_kept_and_other_threads_run(crossed, domain):
+    with open_session(crossed, domain) as session:
+        counted, done = [0], threading.Event()
+
+        def count():
+            while not done.is_set():
+                counted[0] += 1
+                time.sleep(0)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        with pytest.raises(untangled.Missed, match="frame 77"):
+            session.wait(77, deadline=0.3)
+        during = counted[0]
+        done.set()
+        thread.join()
+        # With the lock held the other thread could not have run at all.
+        assert during > 10
+
+
+def test_sessions_in_threads(crossed, domain):
+    values = []
+
+    def work():
+        with open_session(crossed, domain) as session:
+            values.extend(session.exchange(crossed.vertices, deadline=DEADLINE).value.tobytes() for _ in range(10))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(values) == 40 and len(set(values)) == 1
+
+
+def test_one_session_moves_between_threads(crossed, domain):
+    with open_session(crossed, domain) as session:
+        frames = []
+
+        def work():
+            for _ in range(10):
+                frames.append(session.exchange(crossed.vertices, deadline=DEADLINE).frame)
+
+        for _ in range(3):
+            thread = threading.Thread(target=work)
+            thread.start()
+            thread.join()
+        assert frames == list(range(1, 31))
+
+
+def test_a_killed_daemon_is_a_missed_frame(crossed, daemon):
+    with open_session(crossed, daemon.domain) as session:
+        session.exchange(crossed.vertices, deadline=DEADLINE)
+        daemon.stop(kill=True)
+        with pytest.raises(untangled.Missed):
+            session.exchange(crossed.vertices, deadline=1.0)
+        daemon.start()
+        end = time.monotonic() + DEADLINE
+        while True:
+            try:
+                correction = session.exchange(crossed.vertices, deadline=0.5)
+                break
+            except untangled.Missed:
+                assert time.monotonic() < end
+        assert session.num_registrations == 2 and correction.num_intersections == 2

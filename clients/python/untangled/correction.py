@@ -1,0 +1,162 @@
+"""A correction, read where the daemon wrote it."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Iterator, Optional, Sequence, overload
+
+import numpy as np
+
+from ._native import Error, NativeCorrection
+
+KINDS = ("force", "acceleration", "velocity", "displacement")
+PAIR_TYPES = ("CLOSED/CLOSED", "EIGHT", "LL", "BLI", "BLB", "BLLB", "CROSS", "BB/II", "BB/BI", "BB/BB", "BI/BI")
+PATH_TYPES = ("CLOSED", "LL", "BLI", "BLB", "BB", "BI", "II")
+
+
+class Path:
+    """One intersection path. Arrays are views into shared memory."""
+
+    def __init__(self, record: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
+        pair, pair_type, path_type, partner, closed, first, count = (int(word) for word in record[:7])
+        # The daemon wrote these numbers: slices stay within what came, whatever they are.
+        self.points = points[first : first + count]
+        """World positions in metres, `num_points x 3`."""
+        self.faces = faces[first : first + count]
+        """The face that the path runs through after each point, and the partner's, `num_points x 2`."""
+        self.pair = pair
+        """Which pair it belongs to."""
+        self.pair_type = PAIR_TYPES[pair_type] if pair_type < len(PAIR_TYPES) else "?"
+        """Type of that pair, as in `untangled.correction.PAIR_TYPES`."""
+        self.type = PATH_TYPES[path_type] if path_type < len(PATH_TYPES) else "?"
+        """Type of this path, as in `untangled.correction.PATH_TYPES`."""
+        self.partner = partner
+        """Index of the corresponding path; its own where it is its own."""
+        self.closed = closed != 0
+        """Whether it is a loop on the cloth."""
+
+    def __repr__(self) -> str:
+        return f"<untangled.Path {self.type} of {self.pair_type}, {len(self.points)} points>"
+
+
+class Paths(Sequence[Path]):
+    """The intersection paths of a frame."""
+
+    def __init__(self, records: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
+        self.records = records
+        """As on the wire: pair, pair type, path type, partner, closed, first point, number of points, zero; `num_paths x 8`."""
+        self.points = points
+        """Points of all paths in metres, `num_points x 3`."""
+        self.faces = faces
+        """Faces at all points, `num_points x 2`."""
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @overload
+    def __getitem__(self, index: int) -> Path: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Path]: ...
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        return Path(self.records[index], self.points, self.faces)
+
+    def __iter__(self) -> Iterator[Path]:
+        return (self[k] for k in range(len(self)))
+
+
+class Correction:
+    """The correction of one frame.
+
+    `value`, `force`, `flags` and `paths` are read-only views into shared memory, without a copy. A session lends three corrections at a
+    time, and an array that looks into one holds it: copy what is to be kept (`correction.force.copy()`). Views stay valid for as long as
+    they live, whatever becomes of session and daemon. As a context manager it lets go of its own views at the end.
+    """
+
+    def __init__(self, native: NativeCorrection) -> None:
+        self._native: Optional[NativeCorrection] = native
+        self._header: Dict[str, Any] = native.header()
+        self._cache: Dict[str, Any] = {}
+
+    def _view(self, name: str, make: Any) -> Any:
+        if self._native is None:
+            raise Error("the correction was released")
+        if name not in self._cache:
+            self._cache[name] = make(self._native)
+        return self._cache[name]
+
+    @property
+    def value(self) -> "np.ndarray":
+        """The correction of each vertex in the unit of `kind`, `num_vertices x 3` of float32."""
+        return self._view("value", lambda native: np.asarray(native.values()))
+
+    @property
+    def force(self) -> "np.ndarray":
+        """`value` of a session with `correction="force"`, in newtons; an error for the other kinds."""
+        if self.kind != "force":
+            raise Error(f'the session asked for {self.kind}, not for force: use `value`, or Session(..., correction="force")')
+        return self.value
+
+    @property
+    def flags(self) -> "np.ndarray":
+        """Flags of each vertex, `num_vertices` of uint32: `untangled.INSIDE` and so on."""
+        return self._view("flags", lambda native: np.asarray(native.flags()))
+
+    @property
+    def inside(self) -> "np.ndarray":
+        """Whether each vertex is inside, `num_vertices` of bool. Made from `flags`, once."""
+        return self._view("inside", lambda _: (self.flags & 1) != 0)
+
+    @property
+    def mask(self) -> "np.ndarray":
+        """Where the host's self-collision has to be off, `num_vertices` of bool. Made from `flags`, once."""
+        return self._view("mask", lambda _: (self.flags & 3) != 0)
+
+    @property
+    def paths(self) -> Optional[Paths]:
+        """The intersection paths; None without `Session(..., paths=True)`, or where shared memory did not hold them."""
+
+        def make(native: NativeCorrection) -> Optional[Paths]:
+            parts = native.paths()
+            return None if parts is None else Paths(*(np.asarray(part) for part in parts))
+
+        return self._view("paths", make)
+
+    @property
+    def frame(self) -> int:
+        """The frame that it is for."""
+        return self._header["frame"]
+
+    @property
+    def kind(self) -> str:
+        """What the values are: force, acceleration, velocity or displacement."""
+        return KINDS[self._header["kind"]]
+
+    @property
+    def num_intersections(self) -> int:
+        """Number of edges that pierce a face."""
+        return self._header["num_edge_face_intersections"]
+
+    @property
+    def num_inside(self) -> int:
+        """Number of vertices inside."""
+        return self._header["num_inside"]
+
+    @property
+    def summary(self) -> Dict[str, Any]:
+        """All counts, times and what is left over, by name: the header of `proto/PROTOCOL.md`."""
+        return dict(self._header)
+
+    def release(self) -> None:
+        """Lets go of the views that this object keeps; those of the caller stay valid."""
+        self._native = None
+        self._cache.clear()
+
+    def __enter__(self) -> "Correction":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.release()
+
+    def __repr__(self) -> str:
+        return f"<untangled.Correction of frame {self.frame}: {self.num_intersections} intersections, {self.num_inside} inside>"

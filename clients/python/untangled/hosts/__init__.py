@@ -1,0 +1,1 @@
+"""Adapters for simulators: each keeps one cloth apart, step by step."""

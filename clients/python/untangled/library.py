@@ -1,0 +1,157 @@
+"""Analysis and repair of one state, without a daemon."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from . import _arrays, _native
+
+
+@dataclass(frozen=True)
+class FoundPath:
+    """One intersection path."""
+
+    type: str
+    """CLOSED, LL, BLI, BLB, BB, BI or II."""
+    pair_type: str
+    """Type of the pair: CLOSED/CLOSED, EIGHT, LL, BLI, BLB, BLLB, CROSS, BB/II, BB/BI, BB/BB or BI/BI."""
+    pair: int
+    """Which pair it belongs to."""
+    partner: int
+    """Index of the corresponding path; its own where it is its own."""
+    closed: bool
+    """Whether it is a loop on the cloth."""
+    points: "np.ndarray"
+    """World positions in metres, `num_points x 3`."""
+    faces: "np.ndarray"
+    """The face that the path runs through after each point, and the partner's, `num_points x 2`."""
+    inside: "np.ndarray"
+    """Vertices inside of it."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What intersects in one state."""
+
+    edge_face: "np.ndarray"
+    """For each edge that pierces a face its two vertices and the face, `n x 3`."""
+    face_pairs: "np.ndarray"
+    """Intersecting pairs of faces, `n x 2`."""
+    contour_length: float
+    """Length of all paths in metres, each pair once."""
+    inside: "np.ndarray"
+    """Whether each vertex is inside, `num_vertices` of bool."""
+    paths: List[FoundPath]
+    """Intersection paths."""
+
+    @property
+    def num_intersections(self) -> int:
+        """Number of edges that pierce a face. 0 is said after an exact test of every candidate."""
+        return len(self.edge_face)
+
+
+@dataclass(frozen=True)
+class Fix:
+    """What became of a repair."""
+
+    vertices: "np.ndarray"
+    """Positions in metres, `num_vertices x 3` of float64; those of the input, bit for bit, if that was clean."""
+    num_intersections: int
+    """Edges that pierce a face in `vertices`, by an exact check that shares no code with the repair."""
+    num_iterations: int
+    """Iterations that it took."""
+    blocked: List[Tuple[str, int, float, str]]
+    """Paths that are left: type, a vertex beside it, length in metres, why."""
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing intersects."""
+        return self.num_intersections == 0
+
+
+def _mesh(vertices: Any, triangles: Any, uv: Any, uv_triangles: Any, rest: Any, pins: Any, layers: Any) -> Dict[str, Any]:
+    positions = _arrays.numbers("vertices", vertices, 3)
+    cloth = _arrays.cloth(len(positions), triangles, uv, uv_triangles, rest, pins, layers)
+    return {"vertices": positions.tobytes(), **cloth}
+
+
+def analyse(
+    vertices: Any,
+    triangles: Any,
+    uv: Any = None,
+    *,
+    uv_triangles: Any = None,
+    rest_positions: Any = None,
+    pins: Any = None,
+    layers: Any = None,
+    settings: Optional[Mapping[str, Any]] = None,
+) -> Analysis:
+    """What intersects in one state, by exact signs. For the arguments see :class:`untangled.Session`.
+
+    Raises:
+        ValueError: the mesh, a position or a setting can't be used; the message names the element at fault.
+    """
+    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
+    found = _native.analyse(mesh, json.dumps({} if settings is None else dict(settings)))
+    paths = [
+        FoundPath(
+            type=path["type"],
+            pair_type=path["pair_type"],
+            pair=path["pair"],
+            partner=path["partner"],
+            closed=path["closed"],
+            points=np.frombuffer(path["points"], np.float64).reshape(-1, 3),
+            faces=np.frombuffer(path["faces"], np.uint32).reshape(-1, 2),
+            inside=np.frombuffer(path["inside"], np.uint32),
+        )
+        for path in found["paths"]
+    ]
+    return Analysis(
+        edge_face=np.frombuffer(found["edge_face"], np.uint32).reshape(-1, 3),
+        face_pairs=np.frombuffer(found["face_pairs"], np.uint32).reshape(-1, 2),
+        contour_length=found["contour_length_m"],
+        inside=np.frombuffer(found["inside"], np.bool_),
+        paths=paths,
+    )
+
+
+def count_intersections(vertices: Any, triangles: Any) -> int:
+    """Edges that pierce a face, by an exact check that shares no code with the untangler: a judge of what it did. Slower than
+    :func:`analyse`.
+    """
+    positions = _arrays.numbers("vertices", vertices, 3)
+    return _native.count_intersections(positions.tobytes(), _arrays.indices("triangles", triangles, 3).tobytes())
+
+
+def fix(
+    vertices: Any,
+    triangles: Any,
+    uv: Any = None,
+    *,
+    uv_triangles: Any = None,
+    rest_positions: Any = None,
+    pins: Any = None,
+    layers: Any = None,
+    quality: str = "balanced",
+    max_iterations: int = 100,
+    single_precision: bool = False,
+) -> Fix:
+    """Moves vertices until nothing intersects, and as little as that takes. For the arguments see :class:`untangled.Session`.
+
+    `single_precision` rounds every state to float32, so that `vertices.astype(numpy.float32)` is what was checked.
+
+    Raises:
+        ValueError: the mesh or a position can't be used. KeyboardInterrupt: between two iterations.
+    """
+    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
+    result = _native.fix(mesh, quality, max_iterations, single_precision)
+    return Fix(
+        vertices=np.frombuffer(result["vertices"], np.float64).reshape(-1, 3),
+        num_intersections=result["num_edge_face_intersections"],
+        num_iterations=result["num_iterations"],
+        blocked=list(result["blocked"]),
+    )
