@@ -8,52 +8,21 @@
 //! of its steps is monotone in floating-point arithmetic, so intervals that overlap before the map overlap after it: no pair is lost, wherever
 //! the cloth is and however large, and nothing needs to be rounded outwards.
 
+use rayon::prelude::*;
+
+use super::{
+    boxes::{Boxes, EMPTY, Hull, WIDTH, higher, lower},
+    lanes::{Lanes, Portable},
+    neighbours::Neighbours,
+    rings::Rings,
+};
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh},
+    mesh::{FaceId, Mesh, Topology, VertexId},
 };
 
-const WIDTH: usize = 8;
-
-/// Eight boxes, one coordinate after the other. Unused places hold the empty box, which overlaps nothing.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Boxes {
-    min: [[f32; WIDTH]; 3],
-    max: [[f32; WIDTH]; 3],
-}
-
-const EMPTY: Boxes = Boxes { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
-
-impl Boxes {
-    /// A bit for each of these boxes that overlaps box `slot` of `other`; touching counts.
-    #[inline]
-    fn overlaps(&self, other: &Self, slot: usize) -> u32 {
-        let mut hits = [true; WIDTH];
-        for axis in 0..3 {
-            let (min, max) = (other.min[axis][slot], other.max[axis][slot]);
-            for (lane, hit) in hits.iter_mut().enumerate() {
-                *hit &= (self.min[axis][lane] <= max) & (self.max[axis][lane] >= min);
-            }
-        }
-        hits.iter().enumerate().fold(0, |mask, (lane, &hit)| mask | (u32::from(hit) << lane))
-    }
-
-    fn include(&mut self, slot: usize, low: [f32; 3], high: [f32; 3]) {
-        for axis in 0..3 {
-            self.min[axis][slot] = self.min[axis][slot].min(low[axis]);
-            self.max[axis][slot] = self.max[axis][slot].max(high[axis]);
-        }
-    }
-
-    /// The box round all of them.
-    fn hull(&self) -> ([f32; 3], [f32; 3]) {
-        (
-            self.min.map(|row| row.into_iter().fold(f32::INFINITY, f32::min)),
-            self.max.map(|row| row.into_iter().fold(f32::NEG_INFINITY, f32::max)),
-        )
-    }
-}
+/// Nodes that one thread fits in one go, at least.
+const LEAST_SHARE: usize = 256;
 
 /// A pair of nodes of one level whose subtrees are to be searched against each other.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +40,13 @@ pub(crate) struct FaceTree {
     levels: Vec<Vec<Boxes>>,
     /// Vertices after the map into single precision.
     mapped: Vec<[f32; 3]>,
-    /// Scratch: the boxes round the nodes of one level.
-    hulls: Vec<Boxes>,
+    /// Corners of the faces in `order`.
+    corners: Vec<[VertexId; 3]>,
+    /// Faces that share a vertex: they always touch and are tested elsewhere.
+    neighbours: Neighbours,
+    rings: Rings,
+    /// The mesh of all this.
+    topology: Option<Topology>,
 }
 
 impl FaceTree {
@@ -80,15 +54,18 @@ impl FaceTree {
     ///
     /// Any order that lists exactly the usable faces gives the right pairs; a good one gives them fast.
     pub(crate) fn fit(&mut self, mesh: &Mesh, frame: &Frame) {
-        let fits = self.order.len() == mesh.num_faces() - mesh.num_ignored_faces()
-            && self.order.iter().all(|face| face.index() < mesh.num_faces() && mesh.face_edges(*face).is_some());
-        if !fits {
+        if self.topology.as_ref() != Some(mesh.topology()) {
+            self.topology = Some(mesh.topology().clone());
             self.order = mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()).collect();
             let centroid = |face: FaceId| {
                 let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex).coords);
                 (a + b + c).into()
             };
             sort_in_space(&mut self.order, &centroid);
+            self.corners.clear();
+            self.corners.extend(self.order.iter().map(|&face| mesh.face(face)));
+            self.neighbours = Neighbours::new(mesh, &self.order);
+            self.rings = Rings::new(mesh, &self.order);
             self.levels.clear();
             let mut num_nodes = self.order.len().div_ceil(WIDTH);
             self.levels.push(vec![EMPTY; num_nodes]);
@@ -98,7 +75,7 @@ impl FaceTree {
             }
         }
         self.map_vertices(frame);
-        self.refit(mesh);
+        self.refit();
     }
 
     fn map_vertices(&mut self, frame: &Frame) {
@@ -125,77 +102,123 @@ impl FaceTree {
         }));
     }
 
-    fn refit(&mut self, mesh: &Mesh) {
-        for (node, faces) in self.levels[0].iter_mut().zip(self.order.chunks(WIDTH)) {
-            *node = EMPTY;
-            for (slot, &face) in faces.iter().enumerate() {
-                for vertex in mesh.face(face) {
-                    let point = self.mapped[vertex.index()];
-                    node.include(slot, point, point);
-                }
+    fn refit(&mut self) {
+        let mapped = &self.mapped;
+        let fit_leaf = |(node, faces): (&mut Boxes, &[[VertexId; 3]])| {
+            for (slot, corners) in faces.iter().enumerate() {
+                let [a, b, c] = corners.map(|corner| mapped[corner.index()]);
+                let low = std::array::from_fn(|axis| lower(lower(a[axis], b[axis]), c[axis]));
+                let high = std::array::from_fn(|axis| higher(higher(a[axis], b[axis]), c[axis]));
+                node.set(slot, (low, high));
             }
-        }
+        };
+        let fit_node = |(node, children): (&mut Boxes, &[Boxes])| {
+            for (slot, child) in children.iter().enumerate() {
+                node.set(slot, child.hull());
+            }
+        };
+        let leaves = self.levels[0].par_iter_mut().with_min_len(LEAST_SHARE);
+        leaves.zip(self.corners.par_chunks(WIDTH)).for_each(fit_leaf);
         for level in 1..self.levels.len() {
             let (lower, upper) = self.levels.split_at_mut(level);
-            for (node, children) in upper[0].iter_mut().zip(lower[level - 1].chunks(WIDTH)) {
-                *node = EMPTY;
-                for (slot, child) in children.iter().enumerate() {
-                    let (low, high) = child.hull();
-                    node.include(slot, low, high);
-                }
-            }
+            let nodes = upper[0].par_iter_mut().with_min_len(LEAST_SHARE);
+            nodes.zip(lower[level - 1].par_chunks(WIDTH)).for_each(fit_node);
         }
     }
 
     /// Splits the search into independent parts, about `num_wanted` squared over two of them before the search drops any.
-    pub(crate) fn parts(&mut self, num_wanted: usize, parts: &mut Vec<NodePair>) {
+    pub(crate) fn parts(&self, num_wanted: usize, parts: &mut Vec<NodePair>) {
         parts.clear();
         let Some(level) = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= num_wanted) else {
-            if let Some(top) = self.levels.len().checked_sub(1) {
+            if let Some(top) = self.levels.len().checked_sub(1).filter(|_| !self.order.is_empty()) {
                 parts.push(NodePair { level: top, nodes: [0, 0] });
             }
             return;
         };
         let num_nodes = u32::try_from(self.levels[level].len()).expect("fewer nodes than faces");
         parts.extend((0..num_nodes).map(|node| NodePair { level, nodes: [node, node] }));
-        self.hulls.clear();
-        self.hulls.extend(self.levels[level].iter().map(|node| {
-            let mut boxes = EMPTY;
-            let (low, high) = node.hull();
-            boxes.include(0, low, high);
-            boxes
-        }));
+        // The level has more than one node, so that there is one above it.
         for a in 0..num_nodes {
-            for b in a + 1..num_nodes {
-                if self.hulls[a as usize].overlaps(&self.hulls[b as usize], 0) & 1 != 0 {
-                    parts.push(NodePair { level, nodes: [a, b] });
+            let hull = self.hull(level, a);
+            for (upper, boxes) in (0..).zip(&self.levels[level + 1]).skip(a as usize / WIDTH) {
+                let mut hits = Portable.overlaps(boxes, &hull);
+                while hits != 0 {
+                    let b = 8 * upper + hits.trailing_zeros();
+                    hits &= hits - 1;
+                    if b > a {
+                        parts.push(NodePair { level, nodes: [a, b] });
+                    }
                 }
             }
         }
     }
 
-    /// Calls `found` once for each pair of faces in this part whose boxes overlap.
-    pub(crate) fn search(&self, part: NodePair, found: &mut impl FnMut(FaceId, FaceId)) {
-        let NodePair { level, nodes: [a, b] } = part;
-        let (first, second) = (&self.levels[level][a as usize], &self.levels[level][b as usize]);
-        for slot in 0..WIDTH {
-            let mut hits = second.overlaps(first, slot);
-            if a == b {
-                // Each pair once; a node with itself only above the leaves.
-                hits &= u32::MAX << (slot + usize::from(level == 0));
-            }
-            while hits != 0 {
-                let other = hits.trailing_zeros();
-                hits &= hits - 1;
-                let slot = u32::try_from(slot).expect("below 8");
-                let children = [8 * a + slot, 8 * b + other];
-                if level == 0 {
-                    found(self.order[children[0] as usize], self.order[children[1] as usize]);
-                } else {
-                    self.search(NodePair { level: level - 1, nodes: children }, found);
+    /// The box round a node below the top.
+    #[inline(always)]
+    fn hull(&self, level: usize, node: u32) -> Hull {
+        self.levels[level + 1][node as usize / WIDTH].get(node as usize % WIDTH)
+    }
+
+    /// Calls `found` once for each pair of faces in this part whose boxes overlap, but for those that share a vertex; faces are named by their places in the
+    /// order of the tree.
+    #[inline(always)]
+    pub(crate) fn search(
+        &self,
+        lanes: impl Lanes,
+        part: NodePair,
+        stack: &mut Vec<NodePair>,
+        mut found: impl FnMut([u32; 2]),
+    ) {
+        stack.clear();
+        stack.push(part);
+        while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
+            let boxes = &self.levels[level];
+            let (first, second) = (&boxes[a as usize], &boxes[b as usize]);
+            let mut slots = if a == b { 0xff } else { lanes.overlaps(first, &self.hull(level, b)) };
+            let neighbours = if level == 0 { self.neighbours.between(a, b) } else { 0 }.to_le_bytes();
+            while slots != 0 {
+                let slot = slots.trailing_zeros();
+                slots &= slots - 1;
+                let mut hits = lanes.overlaps(second, &first.get(slot as usize));
+                if a == b {
+                    // Each pair once; a node with itself only above the leaves.
+                    hits &= u32::MAX << (slot + u32::from(level == 0));
+                }
+                hits &= !u32::from(neighbours[slot as usize]);
+                while hits != 0 {
+                    let other = hits.trailing_zeros();
+                    hits &= hits - 1;
+                    let children = [8 * a + slot, 8 * b + other];
+                    if level == 0 {
+                        found(children);
+                    } else {
+                        stack.push(NodePair { level: level - 1, nodes: children });
+                    }
                 }
             }
         }
+    }
+
+    /// The face at a place in the order of the tree.
+    #[inline(always)]
+    pub(crate) fn face(&self, place: u32) -> FaceId {
+        self.order[place as usize]
+    }
+
+    /// The corners of the face at a place in the order of the tree.
+    #[inline(always)]
+    pub(crate) fn corners(&self, place: u32) -> [VertexId; 3] {
+        self.corners[place as usize]
+    }
+
+    /// The rings of all vertices, neighbours in space side by side.
+    pub(crate) fn rings(&self) -> &Rings {
+        &self.rings
+    }
+
+    /// Whether pairs that share a vertex may be found all the same.
+    pub(crate) fn misses_neighbours(&self) -> bool {
+        self.neighbours.are_incomplete()
     }
 }
 

@@ -1,20 +1,25 @@
 //! From a frame to its sorted intersections.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::{
     Intersections, Segment, SegmentEnd,
     broad::{FaceTree, NodePair},
+    lanes::{Lanes, Task, dispatch},
     locate::locate,
     narrow::{Contact, Crossing, Fan, contact, share_a_vertex},
+    separate::are_apart,
+    umbrella::Umbrella,
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, VertexId},
+    mesh::{FaceId, Mesh},
 };
 
 /// Subtrees into which the search is split, at least, where the tree has as many.
-const NUM_SUBTREES: usize = 8;
+const NUM_SUBTREES: usize = 16;
 
 /// Vertices whose surroundings are searched in one go.
 const FANS_OF_PART: usize = 1024;
@@ -22,8 +27,53 @@ const FANS_OF_PART: usize = 1024;
 /// What one part of the search found, with the memory that it needs.
 #[derive(Debug, Default)]
 struct Part {
+    stack: Vec<NodePair>,
+    umbrella: Umbrella,
     fan: Fan,
     contacts: Vec<([FaceId; 2], Contact)>,
+}
+
+/// One part of the search: two subtrees, or a range of rings.
+struct Search<'a, T> {
+    part: &'a mut Part,
+    tree: &'a FaceTree,
+    mesh: &'a Mesh,
+    frame: &'a Frame,
+    what: T,
+}
+
+impl Task for Search<'_, NodePair> {
+    /// Tests the pairs of two subtrees.
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { part: Part { stack, contacts, .. }, tree, mesh, frame, what } = self;
+        let triangle = |place| tree.corners(place).map(|corner| frame.position(corner).into());
+        tree.search(lanes, what, stack, |places| {
+            if are_apart(&triangle(places[0]), &triangle(places[1])) {
+                return;
+            }
+            let [a, b] = places.map(|place| tree.face(place));
+            if tree.misses_neighbours() && share_a_vertex(mesh, [a, b]) {
+                return;
+            }
+            if let Some(contact) = contact(mesh, frame, [a, b]) {
+                contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
+            }
+        });
+    }
+}
+
+impl Task for Search<'_, Range<usize>> {
+    /// Tests the pairs of faces round vertices, which always touch.
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { part: Part { umbrella, fan, contacts, .. }, tree, mesh, frame, what } = self;
+        for ring in what.map(|ring| tree.rings().get(ring)) {
+            if !umbrella.is_open(frame, ring) {
+                fan.contacts(mesh, frame, ring.centre, &mut |faces, contact| contacts.push((faces, contact)));
+            }
+        }
+    }
 }
 
 /// Finds all intersections of a frame, reusing its memory from frame to frame.
@@ -55,7 +105,7 @@ impl Intersector {
     pub fn intersect(&mut self, mesh: &Mesh, frame: &Frame, found: &mut Intersections) {
         self.tree.fit(mesh, frame);
         self.tree.parts(NUM_SUBTREES, &mut self.subtrees);
-        let num_fans = mesh.num_vertices().div_ceil(FANS_OF_PART);
+        let num_fans = self.tree.rings().len().div_ceil(FANS_OF_PART);
         let num_parts = self.subtrees.len() + num_fans;
         if self.parts.len() < num_parts {
             self.parts.resize_with(num_parts, Part::default);
@@ -66,24 +116,15 @@ impl Intersector {
             || {
                 self.subtrees.par_iter().zip(apart).for_each(|(&subtrees, part)| {
                     part.contacts.clear();
-                    tree.search(subtrees, &mut |a, b| {
-                        // Faces that share a vertex always touch: they are listed vertex by vertex instead.
-                        if !share_a_vertex(mesh, [a, b])
-                            && let Some(contact) = contact(mesh, frame, [a, b])
-                        {
-                            part.contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
-                        }
-                    });
+                    dispatch(Search { part, tree, mesh, frame, what: subtrees });
                 });
             },
             || {
-                round_vertices.par_iter_mut().enumerate().for_each(|(index, Part { fan, contacts })| {
-                    contacts.clear();
+                round_vertices.par_iter_mut().enumerate().for_each(|(index, part)| {
+                    part.contacts.clear();
                     let first = index * FANS_OF_PART;
-                    for vertex in first..(first + FANS_OF_PART).min(mesh.num_vertices()) {
-                        let vertex = VertexId::from_index(vertex);
-                        fan.contacts(mesh, frame, vertex, &mut |faces, contact| contacts.push((faces, contact)));
-                    }
+                    let rings = first..(first + FANS_OF_PART).min(tree.rings().len());
+                    dispatch(Search { part, tree, mesh, frame, what: rings });
                 });
             },
         );

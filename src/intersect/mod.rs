@@ -3,16 +3,25 @@
 //! The atom is the [`EdgeFaceIntersection`]: a mesh edge that pierces a face it shares no vertex with. Two faces that intersect
 //! do so along one [`Segment`], between two of these or between one and a vertex that the faces share, the *loop vertex*.
 
+mod boxes;
 mod broad;
 mod intersector;
+mod lanes;
 mod locate;
 mod narrow;
+mod neighbours;
+mod rings;
+mod separate;
+#[cfg(test)]
+mod tests;
+mod umbrella;
 
 use nalgebra::Point3;
 
 use crate::mesh::{EdgeId, FaceId, VertexId};
 
 pub use intersector::Intersector;
+pub use narrow::do_intersect;
 
 /// A mesh edge that pierces a face it shares no vertex with (EF).
 #[derive(Clone, Copy, Debug, PartialEq)]

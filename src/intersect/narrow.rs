@@ -3,6 +3,7 @@
 //! On the perturbed input (see [`predicates`](crate::predicates)) faces without a common vertex have none or two edge-face
 //! intersections, faces with one common vertex none or one, faces with a common edge none. There are no other cases.
 
+use super::separate::are_apart;
 use crate::{
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
@@ -58,10 +59,30 @@ impl Corners {
     }
 }
 
-/// Whether two faces have a vertex in common.
-pub(crate) fn share_a_vertex(mesh: &Mesh, [a, b]: [FaceId; 2]) -> bool {
+/// The first vertex that two faces have in common.
+fn common_vertex(mesh: &Mesh, [a, b]: [FaceId; 2]) -> Option<VertexId> {
     let others = mesh.face(b);
-    mesh.face(a).iter().any(|vertex| others.contains(vertex))
+    mesh.face(a).into_iter().find(|vertex| others.contains(vertex))
+}
+
+/// Whether two faces have a vertex in common.
+pub(crate) fn share_a_vertex(mesh: &Mesh, faces: [FaceId; 2]) -> bool {
+    common_vertex(mesh, faces).is_some()
+}
+
+/// Whether two faces intersect: along a segment, beyond what they have in common. Ignored faces intersect nothing.
+///
+/// For those who find pairs of faces by themselves; [`Intersector`](super::Intersector) finds all pairs of a frame faster.
+#[must_use]
+pub fn do_intersect(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> bool {
+    if faces[0] == faces[1] || faces.iter().any(|&face| mesh.face_edges(face).is_none()) {
+        return false;
+    }
+    if let Some(vertex) = common_vertex(mesh, faces) {
+        return contact_beyond(mesh, frame, faces, vertex).is_some();
+    }
+    let [a, b] = faces.map(|face| mesh.face(face).map(|corner| frame.position(corner).into()));
+    !are_apart(&a, &b) && contact(mesh, frame, faces).is_some()
 }
 
 /// Tests one pair of usable faces without a common vertex.
@@ -72,6 +93,12 @@ pub(crate) fn contact(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> Option<
     let [first, second] = if faces[0] < faces[1] { faces } else { [faces[1], faces[0]] };
     let (a, b) = (Corners::of(mesh, frame, first), Corners::of(mesh, frame, second));
     apart(mesh, &a, &b)
+}
+
+/// Tests one pair of usable faces that have one vertex in common and nothing else.
+pub(crate) fn contact_beyond(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2], vertex: VertexId) -> Option<Contact> {
+    let [a, b] = faces.map(|face| Corners::of(mesh, frame, face).from(vertex));
+    beyond_vertex(mesh, &a, &b).map(|crossing| Contact::FromLoopVertex(crossing, vertex))
 }
 
 fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {

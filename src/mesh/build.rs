@@ -1,6 +1,6 @@
 //! From a description to a validated mesh: the one place where input is doubted.
 
-use super::{Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, PieceId, VertexId, chart::Chart};
+use super::{Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, PieceId, Topology, VertexId, chart::Chart};
 
 impl Mesh {
     /// Validates a description and derives its connectivity.
@@ -54,6 +54,7 @@ impl Mesh {
         let num_ignored_faces = face_edges.iter().filter(|edges| edges.is_none()).count();
 
         let mut mesh = Self {
+            topology: Topology::default(),
             num_vertices,
             faces,
             edges,

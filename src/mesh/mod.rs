@@ -10,6 +10,7 @@ mod csr;
 mod description;
 mod error;
 mod ids;
+mod topology;
 
 pub use description::{MeshDescription, Uvs};
 pub use error::MeshError;
@@ -17,11 +18,13 @@ pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 
 use chart::Chart;
 use csr::Csr;
+pub(crate) use topology::Topology;
 
 /// Validated connectivity of one or several pieces of cloth, and what belongs to it for good: texture coordinates, rest
 /// positions, masses, pins and layers.
 #[derive(Clone, Debug)]
 pub struct Mesh {
+    topology: Topology,
     num_vertices: usize,
     faces: Vec<[VertexId; 3]>,
     edges: Vec<[VertexId; 2]>,
@@ -47,6 +50,12 @@ pub struct Mesh {
 impl Mesh {
     /// The largest number of vertices or faces: what 31-bit indices can name.
     pub const MAX_ELEMENTS: usize = 1 << 31;
+
+    /// What tells this mesh, and its clones, from all others.
+    #[must_use]
+    pub(crate) fn topology(&self) -> &Topology {
+        &self.topology
+    }
 
     /// Number of vertices of the input, unused ones included.
     #[must_use]

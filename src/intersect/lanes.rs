@@ -1,0 +1,113 @@
+//! Choice of instruction set: the same answers, faster where the processor allows it.
+
+use super::boxes::{Boxes, Hull, WIDTH};
+
+/// What goes through boxes eight at a time.
+pub(crate) trait Lanes: Copy {
+    /// A bit for each of eight boxes that overlaps another one; touching counts.
+    fn overlaps(self, boxes: &Boxes, hull: &Hull) -> u32;
+}
+
+/// Work to be compiled for each instruction set. Its functions have to be inlined all the way down, or they are compiled for the least
+/// one.
+pub(crate) trait Task {
+    fn run<L: Lanes>(self, lanes: L);
+}
+
+/// Any processor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn overlaps(self, boxes: &Boxes, (low, high): &Hull) -> u32 {
+        let mut hits = [true; WIDTH];
+        for axis in 0..3 {
+            let (low, high) = (low[axis], high[axis]);
+            for (lane, hit) in hits.iter_mut().enumerate() {
+                *hit &= (boxes.min[axis][lane] <= high) & (boxes.max[axis][lane] >= low);
+            }
+        }
+        hits.iter().enumerate().fold(0, |mask, (lane, &hit)| mask | (u32::from(hit) << lane))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Lanes for pulp::x86::V3 {
+    #[inline(always)]
+    fn overlaps(self, boxes: &Boxes, (low, high): &Hull) -> u32 {
+        let mut apart = self.splat_u32x8(0);
+        for axis in 0..3 {
+            let (min, max) = (pulp::cast(boxes.min[axis]), pulp::cast(boxes.max[axis]));
+            let above = self.cmp_gt_f32x8(min, self.splat_f32x8(high[axis]));
+            let below = self.cmp_lt_f32x8(max, self.splat_f32x8(low[axis]));
+            apart = self.or_u32x8(apart, self.or_u32x8(pulp::cast(above), pulp::cast(below)));
+        }
+        !self.avx._mm256_movemask_ps(pulp::cast(apart)).cast_unsigned() & 0xff
+    }
+}
+
+/// Runs a task with the best instructions that this processor has.
+pub(crate) fn dispatch(task: impl Task) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return simd.vectorize(With(task, simd));
+    }
+    task.run(Portable);
+}
+
+#[cfg(target_arch = "x86_64")]
+struct With<T, L>(T, L);
+
+#[cfg(target_arch = "x86_64")]
+impl<T: Task, L: Lanes> pulp::NullaryFnOnce for With<T, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.0.run(self.1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intersect::boxes::EMPTY;
+
+    #[test]
+    fn all_instruction_sets_give_the_same_bits() {
+        struct Compare(Boxes, Hull, u32);
+        impl Task for Compare {
+            fn run<L: Lanes>(self, lanes: L) {
+                assert_eq!(lanes.overlaps(&self.0, &self.1), self.2);
+            }
+        }
+        let mut state = 5u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            #[allow(clippy::cast_precision_loss, reason = "small numbers, so that boxes touch exactly")]
+            let number = (state >> 61) as f32;
+            number
+        };
+        let mut seen = [0; 2];
+        for _ in 0..1_000 {
+            let mut boxes = EMPTY;
+            let mut expected = 0;
+            let mut hull = || {
+                let low = [next(), next(), next()];
+                (low, low.map(|x| x + next()))
+            };
+            let other = hull();
+            for slot in 0..7 {
+                let (low, high) = hull();
+                boxes.set(slot, (low, high));
+                let touches = (0..3).all(|axis| low[axis] <= other.1[axis] && high[axis] >= other.0[axis]);
+                expected |= u32::from(touches) << slot;
+                seen[usize::from(touches)] += 1;
+            }
+            assert_eq!(Portable.overlaps(&boxes, &other), expected);
+            dispatch(Compare(boxes, other, expected));
+        }
+        assert!(seen[0] > 1_000 && seen[1] > 1_000);
+    }
+}

@@ -1,0 +1,115 @@
+//! Proofs that the faces round a vertex do not meet beyond it: seen from some direction they lie side by side, like an umbrella's.
+//!
+//! If every face, seen along some direction, turns the same way round the vertex, and all together turn once, then the faces lie in
+//! sectors that do not overlap, so that they share the vertex and their common edges alone. Turning once is proven by few parts of less than half a turn
+//! each: a closed ring turns a whole number of times, so that less than two turns are one; an open one has to stay below one.
+//!
+//! All of it holds strictly, hence also on the perturbed input.
+
+use super::{
+    rings::Ring,
+    separate::{cross, dot, minus},
+};
+use crate::frame::Frame;
+
+/// Relative error of `x_i y_j - x_j y_i` of projected points.
+///
+/// With unit roundoff e, `x = m . (p - o)` is off by at most 4 e (1 + 4 e) times `|m|_1 |p - o|_max`, a product of two such by 9 e, and their
+/// difference by 10 e of twice the product of the largest magnitudes.
+const ROUNDING: f64 = 32.0 * (f64::EPSILON / 2.0);
+
+/// Differences below it may come from underflow, where errors are not relative.
+const FLOOR: f64 = 1e-200;
+
+/// Works out umbrellas, reusing its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Umbrella {
+    spokes: Vec<[f64; 3]>,
+    flat: Vec<Spoke>,
+}
+
+/// A neighbour as seen from some direction, relative to the vertex.
+#[derive(Clone, Copy, Debug)]
+struct Spoke {
+    x: f64,
+    y: f64,
+    /// Bound of the magnitudes of both coordinates before projection.
+    reach: f64,
+}
+
+impl Umbrella {
+    /// Whether the faces of a ring are proven not to meet beyond its centre.
+    #[inline(always)]
+    pub(crate) fn is_open(&mut self, frame: &Frame, ring: Ring<'_>) -> bool {
+        let &[first, .., last] = ring.around else { return false };
+        let closes = first == last;
+        let centre: [f64; 3] = frame.position(ring.centre).into();
+        self.spokes.clear();
+        self.spokes.extend(ring.around.iter().map(|&vertex| minus(frame.position(vertex).into(), centre)));
+        let normal = self.spokes.windows(2).fold([0.0; 3], |sum, side| {
+            let normal = cross(side[0], side[1]);
+            [sum[0] + normal[0], sum[1] + normal[1], sum[2] + normal[2]]
+        });
+        let axis = (1..3).fold(0, |best, axis| if normal[axis].abs() > normal[best].abs() { axis } else { best });
+        let size = normal[axis].abs();
+        if size == 0.0 {
+            return false;
+        }
+        // Along an axis first: most cloth is smooth enough, and nothing needs projecting.
+        let (mut next, mut after) = ((axis + 1) % 3, (axis + 2) % 3);
+        if normal[axis] < 0.0 {
+            (next, after) = (after, next);
+        }
+        self.flat.clear();
+        self.flat.extend(self.spokes.iter().map(|spoke| Spoke {
+            x: spoke[next],
+            y: spoke[after],
+            reach: reach(spoke),
+        }));
+        if turns_once(&self.flat, closes) {
+            return true;
+        }
+        let normal = normal.map(|coordinate| coordinate / size);
+        let mut aside = [0.0; 3];
+        aside[next] = 1.0;
+        let along = cross(aside, normal);
+        let across = cross(normal, along);
+        // Each at most 6 in the sum of its magnitudes.
+        self.flat.clear();
+        self.flat.extend(self.spokes.iter().map(|spoke| Spoke {
+            x: dot(along, *spoke),
+            y: dot(across, *spoke),
+            reach: 6.0 * reach(spoke),
+        }));
+        turns_once(&self.flat, closes)
+    }
+}
+
+#[inline(always)]
+fn reach(spoke: &[f64; 3]) -> f64 {
+    spoke[0].abs().max(spoke[1].abs()).max(spoke[2].abs())
+}
+
+/// Whether each spoke is reached from the one before by a left turn of less than half a turn, and the last one from the first by one
+/// turn, or less than one.
+#[inline(always)]
+fn turns_once(spokes: &[Spoke], closes: bool) -> bool {
+    let most_parts = if closes { 4 } else { 2 };
+    let mut start = spokes[0];
+    let mut num_parts = 1;
+    for side in spokes.windows(2) {
+        if !turns_left(side[0], side[1]) {
+            return false;
+        }
+        if !turns_left(start, side[1]) {
+            start = side[0];
+            num_parts += 1;
+        }
+    }
+    num_parts <= most_parts
+}
+
+#[inline(always)]
+fn turns_left(from: Spoke, to: Spoke) -> bool {
+    from.x * to.y - from.y * to.x > ROUNDING * (from.reach * to.reach) + FLOOR
+}
