@@ -40,6 +40,8 @@ pub(crate) struct FaceTree {
     levels: Vec<Vec<Boxes>>,
     /// Vertices after the map into single precision.
     mapped: Vec<[f32; 3]>,
+    /// Of the map.
+    scale: f64,
     /// Corners of the faces in `order`.
     corners: Vec<[VertexId; 3]>,
     /// Faces that share a vertex: they always touch and are tested elsewhere.
@@ -50,11 +52,12 @@ pub(crate) struct FaceTree {
 }
 
 impl FaceTree {
-    /// Fits the boxes to a frame; sorts the faces first when this mesh is met for the first time.
+    /// Sorts the faces when this mesh is met for the first time; true if so.
     ///
     /// Any order that lists exactly the usable faces gives the right pairs; a good one gives them fast.
-    pub(crate) fn fit(&mut self, mesh: &Mesh, frame: &Frame) {
-        if self.topology.as_ref() != Some(mesh.topology()) {
+    pub(crate) fn prepare(&mut self, mesh: &Mesh, frame: &Frame) -> bool {
+        let is_new = self.topology.as_ref() != Some(mesh.topology());
+        if is_new {
             self.topology = Some(mesh.topology().clone());
             self.order = mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()).collect();
             let centroid = |face: FaceId| {
@@ -74,6 +77,11 @@ impl FaceTree {
                 self.levels.push(vec![EMPTY; num_nodes]);
             }
         }
+        is_new
+    }
+
+    /// Fits the boxes to a frame.
+    pub(crate) fn fit(&mut self, frame: &Frame) {
         self.map_vertices(frame);
         self.refit();
     }
@@ -92,6 +100,7 @@ impl FaceTree {
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         // A frame in one point needs no scale.
         let scale = if extent > 0.0 { 1.0 / extent } else { 1.0 };
+        self.scale = scale;
         self.mapped.clear();
         self.mapped.extend(positions.iter().map(|position| {
             std::array::from_fn(|axis| {
@@ -199,6 +208,106 @@ impl FaceTree {
         }
     }
 
+    /// Calls `found` once for each pair of leaves, the first not after the second, that may be within `margin_m` metres of each other.
+    #[inline(always)]
+    pub(crate) fn search_leaves(
+        &self,
+        lanes: impl Lanes,
+        margin_m: f64,
+        stack: &mut Vec<NodePair>,
+        mut found: impl FnMut([u32; 2]),
+    ) {
+        let Some(top) = self.levels.len().checked_sub(1).filter(|_| !self.order.is_empty()) else { return };
+        // Mapped coordinates are at most one half and rounded by 2^-25 of it at most, and so are the sums below.
+        #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
+        let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+        stack.clear();
+        stack.push(NodePair { level: top, nodes: [0, 0] });
+        while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
+            if level == 0 {
+                found([a, b]);
+                continue;
+            }
+            let (first, second) = (&self.levels[level][a as usize], &self.levels[level][b as usize]);
+            let mut slots = if a == b { 0xff } else { lanes.overlaps(first, &inflated(self.hull(level, b), margin)) };
+            while slots != 0 {
+                let slot = slots.trailing_zeros();
+                slots &= slots - 1;
+                let mut hits = lanes.overlaps(second, &inflated(first.get(slot as usize), margin));
+                if a == b {
+                    hits &= u32::MAX << slot;
+                }
+                while hits != 0 {
+                    let other = hits.trailing_zeros();
+                    hits &= hits - 1;
+                    stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
+                }
+            }
+        }
+    }
+
+    /// Calls `found` with the places of each pair of faces of two leaves, the first not after the second, that may be within `margin_m` metres of
+    /// each other, but for those that share a vertex. Reads positions, not the boxes of the tree. Returns how far all others are apart at
+    /// least, in metres.
+    #[inline(always)]
+    pub(crate) fn search_leaf(
+        &self,
+        lanes: impl Lanes,
+        frame: &Frame,
+        [a, b]: [u32; 2],
+        margin_m: f64,
+        mut found: impl FnMut([u32; 2]),
+    ) -> f64 {
+        let origin: [f64; 3] = frame.position(self.corners[WIDTH * a as usize][0]).into();
+        let first = self.boxes_round(frame, a, origin);
+        let second = if a == b { first } else { self.boxes_round(frame, b, origin) };
+        #[expect(clippy::cast_possible_truncation, reason = "what was lost is subtracted below")]
+        let margin = margin_m as f32;
+        let neighbours = self.neighbours.between(a, b).to_le_bytes();
+        let mut slots = if a == b { 0xff } else { lanes.overlaps(&first, &inflated(second.hull(), margin)) };
+        while slots != 0 {
+            let slot = slots.trailing_zeros();
+            slots &= slots - 1;
+            let mut hits = lanes.overlaps(&second, &inflated(first.get(slot as usize), margin));
+            if a == b {
+                hits &= u32::MAX << (slot + 1);
+            }
+            hits &= !u32::from(neighbours[slot as usize]);
+            while hits != 0 {
+                let other = hits.trailing_zeros();
+                hits &= hits - 1;
+                found([8 * a + slot, 8 * b + other]);
+            }
+        }
+        // Three roundings of half an ulp of the largest number there is; and what underflows.
+        let largest = higher(largest(first.hull()), largest(second.hull())) + margin;
+        f64::from(margin) - f64::from(largest) * 4e-7 - 1e-37
+    }
+
+    /// The boxes of a leaf's faces relative to a point, by a map that is monotone.
+    #[inline(always)]
+    fn boxes_round(&self, frame: &Frame, leaf: u32, origin: [f64; 3]) -> Boxes {
+        let mut boxes = EMPTY;
+        let first = WIDTH * leaf as usize;
+        for (slot, corners) in self.corners[first..(first + WIDTH).min(self.corners.len())].iter().enumerate() {
+            let [a, b, c] = corners.map(|corner| {
+                let position = frame.position(corner);
+                #[expect(clippy::cast_possible_truncation, reason = "monotone, which is all that is needed")]
+                let point: [f32; 3] = std::array::from_fn(|axis| (position[axis] - origin[axis]) as f32);
+                point
+            });
+            let low = std::array::from_fn(|axis| lower(lower(a[axis], b[axis]), c[axis]));
+            let high = std::array::from_fn(|axis| higher(higher(a[axis], b[axis]), c[axis]));
+            boxes.set(slot, (low, high));
+        }
+        boxes
+    }
+
+    /// The corners of all faces in the order of the tree.
+    pub(crate) fn all_corners(&self) -> &[[VertexId; 3]] {
+        &self.corners
+    }
+
     /// The face at a place in the order of the tree.
     #[inline(always)]
     pub(crate) fn face(&self, place: u32) -> FaceId {
@@ -220,6 +329,17 @@ impl FaceTree {
     pub(crate) fn misses_neighbours(&self) -> bool {
         self.neighbours.are_incomplete()
     }
+}
+
+#[inline(always)]
+fn inflated((low, high): Hull, margin: f32) -> Hull {
+    (low.map(|coordinate| coordinate - margin), high.map(|coordinate| coordinate + margin))
+}
+
+/// The largest magnitude of a coordinate.
+#[inline(always)]
+fn largest((low, high): Hull) -> f32 {
+    low.into_iter().chain(high).fold(0.0, |largest, coordinate| higher(largest, coordinate.abs()))
 }
 
 /// Sorts by halving along the longest axis; the halves are powers of two, so that nodes of every level are halves of halves.

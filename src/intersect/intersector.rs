@@ -7,10 +7,11 @@ use rayon::prelude::*;
 use super::{
     Intersections, Segment, SegmentEnd,
     broad::{FaceTree, NodePair},
+    coherence::{Coherence, LeafPair, Mode, RINGS_OF_GROUP, until},
     lanes::{Lanes, Task, dispatch},
     locate::locate,
     narrow::{Contact, Crossing, Fan, contact, share_a_vertex},
-    separate::are_apart,
+    separate::{Triangle, are_apart, distance_m},
     umbrella::Umbrella,
 };
 use crate::{
@@ -23,6 +24,9 @@ const NUM_SUBTREES: usize = 16;
 
 /// Vertices whose surroundings are searched in one go.
 const FANS_OF_PART: usize = 1024;
+
+/// Pairs of leaves that are looked through in one go.
+const PAIRS_OF_PART: usize = 1024;
 
 /// What one part of the search found, with the memory that it needs.
 #[derive(Debug, Default)]
@@ -42,37 +46,131 @@ struct Search<'a, T> {
     what: T,
 }
 
+impl<T> Search<'_, T> {
+    /// Tests a pair of faces exactly, unless they share a vertex.
+    #[inline(always)]
+    fn test(&mut self, places: [u32; 2]) {
+        let [a, b] = places.map(|place| self.tree.face(place));
+        if self.tree.misses_neighbours() && share_a_vertex(self.mesh, [a, b]) {
+            return;
+        }
+        if let Some(contact) = contact(self.mesh, self.frame, [a, b]) {
+            self.part.contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
+        }
+    }
+
+    #[inline(always)]
+    fn triangle(&self, place: u32) -> Triangle {
+        self.tree.corners(place).map(|corner| self.frame.position(corner).into())
+    }
+
+    /// Tests the faces of a ring; how far it may move with nothing found, in metres.
+    #[inline(always)]
+    fn test_ring(&mut self, ring: usize) -> f64 {
+        let ring = self.tree.rings().get(ring);
+        let Part { umbrella, fan, contacts, .. } = &mut *self.part;
+        let room = umbrella.room_m(self.frame, ring);
+        if room <= 0.0 {
+            fan.contacts(self.mesh, self.frame, ring.centre, &mut |faces, contact| contacts.push((faces, contact)));
+        }
+        room
+    }
+}
+
 impl Task for Search<'_, NodePair> {
     /// Tests the pairs of two subtrees.
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let Self { part: Part { stack, contacts, .. }, tree, mesh, frame, what } = self;
-        let triangle = |place| tree.corners(place).map(|corner| frame.position(corner).into());
-        tree.search(lanes, what, stack, |places| {
-            if are_apart(&triangle(places[0]), &triangle(places[1])) {
-                return;
-            }
-            let [a, b] = places.map(|place| tree.face(place));
-            if tree.misses_neighbours() && share_a_vertex(mesh, [a, b]) {
-                return;
-            }
-            if let Some(contact) = contact(mesh, frame, [a, b]) {
-                contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
+    fn run<L: Lanes>(mut self, lanes: L) {
+        let (tree, subtrees) = (self.tree, self.what);
+        let mut stack = std::mem::take(&mut self.part.stack);
+        tree.search(lanes, subtrees, &mut stack, |places| {
+            if !are_apart(&self.triangle(places[0]), &self.triangle(places[1])) {
+                self.test(places);
             }
         });
+        self.part.stack = stack;
     }
 }
 
 impl Task for Search<'_, Range<usize>> {
     /// Tests the pairs of faces round vertices, which always touch.
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { part: Part { umbrella, fan, contacts, .. }, tree, mesh, frame, what } = self;
-        for ring in what.map(|ring| tree.rings().get(ring)) {
-            if !umbrella.is_open(frame, ring) {
-                fan.contacts(mesh, frame, ring.centre, &mut |faces, contact| contacts.push((faces, contact)));
+    fn run<L: Lanes>(mut self, _: L) {
+        for ring in self.what.clone() {
+            self.test_ring(ring);
+        }
+    }
+}
+
+/// Proofs about pairs of leaves, and the clocks by which they run out.
+struct KeptPairs<'a> {
+    pairs: &'a mut [LeafPair],
+    clocks: &'a [f64],
+    margin_m: f64,
+}
+
+impl Task for Search<'_, KeptPairs<'_>> {
+    /// Tests the pairs of leaves whose time has come.
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, lanes: L) {
+        let (tree, frame, margin_m, clocks) = (self.tree, self.frame, self.what.margin_m, self.what.clocks);
+        for index in 0..self.what.pairs.len() {
+            let LeafPair { leaves, until: end } = self.what.pairs[index];
+            let now = Coherence::time_of(clocks, leaves);
+            if now < end {
+                continue;
+            }
+            let mut nearest = f64::INFINITY;
+            let others = tree.search_leaf(lanes, frame, leaves, margin_m, |places| {
+                let distance = distance_m(&self.triangle(places[0]), &self.triangle(places[1]), margin_m);
+                if distance <= 0.0 {
+                    self.test(places);
+                }
+                nearest = nearest.min(distance);
+            });
+            // Where nothing is known of the others, not even a number.
+            let span = if others > 0.0 { nearest.min(others) } else { 0.0 };
+            self.what.pairs[index].until = until(now, span);
+        }
+    }
+}
+
+/// Proofs about rings, and the clocks by which they run out.
+struct KeptRings<'a> {
+    /// The first of them.
+    first: usize,
+    rings_until: &'a mut [f64],
+    clocks: &'a [f64],
+}
+
+impl Task for Search<'_, KeptRings<'_>> {
+    /// Tests the rings whose time has come.
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, _: L) {
+        for index in 0..self.what.rings_until.len() {
+            let ring = self.what.first + index;
+            let now = self.what.clocks[ring / RINGS_OF_GROUP];
+            if now >= self.what.rings_until[index] {
+                let room = self.test_ring(ring);
+                self.what.rings_until[index] = until(now, room);
             }
         }
+    }
+}
+
+/// All pairs of leaves that are to be kept an eye on.
+struct AllLeaves<'a> {
+    tree: &'a FaceTree,
+    margin_m: f64,
+    stack: &'a mut Vec<NodePair>,
+    pairs: &'a mut Vec<LeafPair>,
+}
+
+impl Task for AllLeaves<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { tree, margin_m, stack, pairs } = self;
+        tree.search_leaves(lanes, margin_m, stack, |leaves| pairs.push(LeafPair { leaves, until: 0.0 }));
     }
 }
 
@@ -83,6 +181,9 @@ pub struct Intersector {
     subtrees: Vec<NodePair>,
     /// So that the parts can be searched side by side.
     parts: Vec<Part>,
+    coherence: Coherence,
+    kept_parts: Vec<Part>,
+    stack: Vec<NodePair>,
     contacts: Vec<([FaceId; 2], Contact)>,
     crossings: Vec<Crossing>,
     /// Scratch of the check in debug builds.
@@ -103,7 +204,33 @@ impl Intersector {
     ///
     /// Cost: O(n log n) for n faces of bounded overlap and bounded numbers round a vertex, plus O(k log k) for k intersecting pairs.
     pub fn intersect(&mut self, mesh: &Mesh, frame: &Frame, found: &mut Intersections) {
-        self.tree.fit(mesh, frame);
+        if self.tree.prepare(mesh, frame) {
+            self.coherence.reset(&self.tree);
+        }
+        self.contacts.clear();
+        match self.coherence.advance(mesh, frame) {
+            Mode::Cold => self.search(mesh, frame),
+            Mode::Anew => {
+                self.tree.fit(frame);
+                let Self { tree, coherence, stack, .. } = self;
+                let margin_m = coherence.margin_m();
+                dispatch(AllLeaves { tree, margin_m, stack, pairs: &mut coherence.pairs });
+                self.search_kept(mesh, frame);
+            }
+            Mode::Kept => self.search_kept(mesh, frame),
+        }
+        self.contacts.sort_unstable_by_key(|&(faces, _)| faces);
+        self.assemble(mesh, frame, found);
+    }
+
+    /// Forgets the last frame, so that the next one is searched from nothing: for measuring, since answers never depend on what came before.
+    pub fn forget(&mut self) {
+        self.coherence.forget();
+    }
+
+    /// All contacts, from nothing.
+    fn search(&mut self, mesh: &Mesh, frame: &Frame) {
+        self.tree.fit(frame);
         self.tree.parts(NUM_SUBTREES, &mut self.subtrees);
         let num_fans = self.tree.rings().len().div_ceil(FANS_OF_PART);
         let num_parts = self.subtrees.len() + num_fans;
@@ -128,12 +255,42 @@ impl Intersector {
                 });
             },
         );
-        self.contacts.clear();
         for part in &self.parts[..num_parts] {
             self.contacts.extend_from_slice(&part.contacts);
         }
-        self.contacts.sort_unstable_by_key(|&(faces, _)| faces);
-        self.assemble(mesh, frame, found);
+    }
+
+    /// All contacts, looking only where proofs of earlier frames have run out.
+    fn search_kept(&mut self, mesh: &Mesh, frame: &Frame) {
+        let tree = &self.tree;
+        let margin_m = self.coherence.margin_m();
+        let (region_clocks, pairs, group_clocks, rings_until) = self.coherence.parts();
+        let num_apart = pairs.len().div_ceil(PAIRS_OF_PART);
+        let num_parts = num_apart + rings_until.len().div_ceil(FANS_OF_PART);
+        if self.kept_parts.len() < num_parts {
+            self.kept_parts.resize_with(num_parts, Part::default);
+        }
+        let (apart, round_vertices) = self.kept_parts[..num_parts].split_at_mut(num_apart);
+        rayon::join(
+            || {
+                pairs.par_chunks_mut(PAIRS_OF_PART).zip(apart).for_each(|(pairs, part)| {
+                    part.contacts.clear();
+                    let what = KeptPairs { pairs, clocks: region_clocks, margin_m };
+                    dispatch(Search { part, tree, mesh, frame, what });
+                });
+            },
+            || {
+                let rings = rings_until.par_chunks_mut(FANS_OF_PART).zip(round_vertices);
+                rings.enumerate().for_each(|(index, (rings_until, part))| {
+                    part.contacts.clear();
+                    let what = KeptRings { first: index * FANS_OF_PART, rings_until, clocks: group_clocks };
+                    dispatch(Search { part, tree, mesh, frame, what });
+                });
+            },
+        );
+        for part in &self.kept_parts[..num_parts] {
+            self.contacts.extend_from_slice(&part.contacts);
+        }
     }
 
     /// Numbers the crossings, each of which belongs to all pairs round its edge, and refers the segments to them.

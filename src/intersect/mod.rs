@@ -5,6 +5,7 @@
 
 mod boxes;
 mod broad;
+mod coherence;
 mod intersector;
 mod lanes;
 mod locate;

@@ -46,6 +46,24 @@ impl Relative {
         std::array::from_fn(|axis| r[axis] + s[axis] + t[axis] - p[axis] - q[axis])
     }
 
+    /// Whether one of the directions that may part the triangles will do.
+    #[inline(always)]
+    fn any_direction(&self, mut will_do: impl FnMut([f64; 3]) -> bool) -> bool {
+        if will_do(self.across()) {
+            return true;
+        }
+        let edges_a = [self.a[0], minus(self.a[1], self.a[0]), self.a[1]];
+        let normal_a = cross(self.a[0], self.a[1]);
+        if will_do(normal_a) {
+            return true;
+        }
+        let edges_b = [minus(self.b[1], self.b[0]), minus(self.b[2], self.b[1]), minus(self.b[0], self.b[2])];
+        let normal_b = cross(edges_b[0], edges_b[1]);
+        will_do(normal_b)
+            || edges_a.iter().any(|&edge| will_do(cross(edge, normal_a)))
+            || edges_b.iter().any(|&edge| will_do(cross(edge, normal_b)))
+    }
+
     /// How much further one triangle lies along `m` than the other, times the length of `m`: less than the truth, or not positive.
     #[inline(always)]
     fn gap_along(&self, m: [f64; 3]) -> f64 {
@@ -58,27 +76,31 @@ impl Relative {
     }
 }
 
-/// Whether two triangles are proven to have no point in common. At worst eight vectors are tried: both normals, and the directions at right
-/// angles to an edge within its triangle's plane, which part neighbours in one sheet.
+/// Whether two triangles are proven to have no point in common. At worst nine vectors are tried: from middle to middle, both normals, and the
+/// directions at right angles to an edge within its triangle's plane, which part neighbours in one sheet.
 #[inline(always)]
 pub(crate) fn are_apart(a: &Triangle, b: &Triangle) -> bool {
     let relative = Relative::new(a, b);
-    if relative.gap_along(relative.across()) > 0.0 {
-        return true;
-    }
-    let edges_a = [relative.a[0], minus(relative.a[1], relative.a[0]), relative.a[1]];
-    let normal_a = cross(relative.a[0], relative.a[1]);
-    if relative.gap_along(normal_a) > 0.0 {
-        return true;
-    }
-    let edges_b =
-        [minus(relative.b[1], relative.b[0]), minus(relative.b[2], relative.b[1]), minus(relative.b[0], relative.b[2])];
-    let normal_b = cross(edges_b[0], edges_b[1]);
-    if relative.gap_along(normal_b) > 0.0 {
-        return true;
-    }
-    edges_a.iter().any(|&edge| relative.gap_along(cross(edge, normal_a)) > 0.0)
-        || edges_b.iter().any(|&edge| relative.gap_along(cross(edge, normal_b)) > 0.0)
+    relative.any_direction(|m| relative.gap_along(m) > 0.0)
+}
+
+/// A lower bound of the distance of two triangles in metres; zero where none is known. What is beyond `enough` does not matter.
+#[inline(always)]
+pub(crate) fn distance_m(a: &Triangle, b: &Triangle, enough: f64) -> f64 {
+    let relative = Relative::new(a, b);
+    let mut distance = 0.0;
+    relative.any_direction(|m| {
+        let gap = relative.gap_along(m);
+        if gap > 0.0 {
+            let square = dot(m, m);
+            // Of a square that underflows nothing is known.
+            if square > 1e-280 {
+                distance = higher(distance, gap / square.sqrt() * (1.0 - 1e-14));
+            }
+        }
+        distance >= enough
+    });
+    distance
 }
 
 #[inline(always)]

@@ -78,7 +78,7 @@ fn open_umbrellas_hold_no_crossing() {
                     })
                     .collect();
                 let frame = Frame::new(&mesh, &positions).unwrap();
-                let is_open = umbrella.is_open(&frame, rings.get(0));
+                let is_open = umbrella.room_m(&frame, rings.get(0)) > 0.0;
                 let mut meets = false;
                 fan.contacts(&mesh, &frame, rings.get(0).centre, &mut |_, _| meets = true);
                 assert!(!(meets && is_open), "{num_spokes} spokes: {positions:?}");

@@ -38,10 +38,11 @@ struct Spoke {
 }
 
 impl Umbrella {
-    /// Whether the faces of a ring are proven not to meet beyond its centre.
+    /// How far each vertex of a ring may move, in metres, with its faces still not meeting beyond its centre: a lower bound, positive where they are
+    /// proven not to meet now.
     #[inline(always)]
-    pub(crate) fn is_open(&mut self, frame: &Frame, ring: Ring<'_>) -> bool {
-        let &[first, .., last] = ring.around else { return false };
+    pub(crate) fn room_m(&mut self, frame: &Frame, ring: Ring<'_>) -> f64 {
+        let &[first, .., last] = ring.around else { return 0.0 };
         let closes = first == last;
         let centre: [f64; 3] = frame.position(ring.centre).into();
         self.spokes.clear();
@@ -53,7 +54,7 @@ impl Umbrella {
         let axis = (1..3).fold(0, |best, axis| if normal[axis].abs() > normal[best].abs() { axis } else { best });
         let size = normal[axis].abs();
         if size == 0.0 {
-            return false;
+            return 0.0;
         }
         // Along an axis first: most cloth is smooth enough, and nothing needs projecting.
         let (mut next, mut after) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -66,8 +67,9 @@ impl Umbrella {
             y: spoke[after],
             reach: reach(spoke),
         }));
-        if turns_once(&self.flat, closes) {
-            return true;
+        let room = room_to_turn(&self.flat, closes);
+        if room > 0.0 {
+            return room;
         }
         let normal = normal.map(|coordinate| coordinate / size);
         let mut aside = [0.0; 3];
@@ -81,7 +83,8 @@ impl Umbrella {
             y: dot(across, *spoke),
             reach: 6.0 * reach(spoke),
         }));
-        turns_once(&self.flat, closes)
+        // The two vectors are at most sqrt(2) and sqrt(6) long, so that a point moves, seen along them, less than three times as far.
+        room_to_turn(&self.flat, closes) / 3.0
     }
 }
 
@@ -91,25 +94,39 @@ fn reach(spoke: &[f64; 3]) -> f64 {
 }
 
 /// Whether each spoke is reached from the one before by a left turn of less than half a turn, and the last one from the first by one
-/// turn, or less than one.
+/// turn, or less than one: positive if so, and how far the points may move before it ends, at least.
 #[inline(always)]
-fn turns_once(spokes: &[Spoke], closes: bool) -> bool {
+fn room_to_turn(spokes: &[Spoke], closes: bool) -> f64 {
     let most_parts = if closes { 4 } else { 2 };
-    let mut start = spokes[0];
+    let mut start = 0;
     let mut num_parts = 1;
-    for side in spokes.windows(2) {
-        if !turns_left(side[0], side[1]) {
-            return false;
+    let mut least = f64::INFINITY;
+    for end in 1..spokes.len() {
+        let room = room_to_left(spokes[end - 1], spokes[end]);
+        if room <= 0.0 {
+            return 0.0;
         }
-        if !turns_left(start, side[1]) {
-            start = side[0];
-            num_parts += 1;
+        least = least.min(room);
+        if start + 1 < end {
+            let since_start = room_to_left(spokes[start], spokes[end]);
+            // What has hardly any room left is better a part of its own.
+            if since_start > 0.125 * room {
+                least = least.min(since_start);
+            } else {
+                start = end - 1;
+                num_parts += 1;
+            }
         }
     }
-    num_parts <= most_parts
+    if num_parts <= most_parts { least } else { 0.0 }
 }
 
+/// How far the centre and both points may move before the turn from one to the other is no left turn any more.
+///
+/// Twice the area is `c = a x b`. If everything moves by m or less, a and b change by 2 m, hence c by at most 2 m (|a| + |b|) + 4 m^2. With
+/// m = c / 2.5 (|a| + |b|) and c <= |a| |b| <= (|a| + |b|)^2 / 4 the second term is at most a fifth of the first, and both are 0.96 c.
 #[inline(always)]
-fn turns_left(from: Spoke, to: Spoke) -> bool {
-    from.x * to.y - from.y * to.x > ROUNDING * (from.reach * to.reach) + FLOOR
+fn room_to_left(from: Spoke, to: Spoke) -> f64 {
+    let area = from.x * to.y - from.y * to.x - (ROUNDING * (from.reach * to.reach) + FLOOR);
+    if area > 0.0 { area / (2.5 * (from.x.abs() + from.y.abs() + to.x.abs() + to.y.abs())) } else { 0.0 }
 }
