@@ -29,7 +29,6 @@ const REPEATS: usize = 200;
 
 #[test]
 #[ignore = "a measurement"]
-#[expect(clippy::print_stdout, reason = "a table")]
 fn table() {
     // A flat sheet of 16,129 vertices: nothing to untangle, so that the way there and back is what is measured.
     let registration: Registration = sheet(126);
