@@ -264,11 +264,21 @@ impl FaceTree {
         #[expect(clippy::cast_possible_truncation, reason = "what was lost is subtracted below")]
         let margin = margin_m as f32;
         let neighbours = self.neighbours.between(a, b).to_le_bytes();
-        let mut slots = if a == b { 0xff } else { lanes.overlaps(&first, &inflated(second.hull(), margin)) };
+        let largest = higher(largest(first.hull()), largest(second.hull())) + margin;
+        // Beyond single precision everything may overlap, and unused places seem to.
+        let unknown = !largest.is_finite();
+        let [present, others] = [a, b].map(|leaf| self.present(leaf));
+        let mut slots = present;
+        if a != b && !unknown {
+            slots &= lanes.overlaps(&first, &inflated(second.hull(), margin));
+        }
         while slots != 0 {
             let slot = slots.trailing_zeros();
             slots &= slots - 1;
-            let mut hits = lanes.overlaps(&second, &inflated(first.get(slot as usize), margin));
+            let mut hits = others;
+            if !unknown {
+                hits &= lanes.overlaps(&second, &inflated(first.get(slot as usize), margin));
+            }
             if a == b {
                 hits &= u32::MAX << (slot + 1);
             }
@@ -280,8 +290,14 @@ impl FaceTree {
             }
         }
         // Three roundings of half an ulp of the largest number there is; and what underflows.
-        let largest = higher(largest(first.hull()), largest(second.hull())) + margin;
         f64::from(margin) - f64::from(largest) * 4e-7 - 1e-37
+    }
+
+    /// The places of a leaf that hold a face, one bit each.
+    #[inline(always)]
+    fn present(&self, leaf: u32) -> u32 {
+        let left = self.corners.len() - WIDTH * leaf as usize;
+        if left >= WIDTH { 0xff } else { (1 << left) - 1 }
     }
 
     /// The boxes of a leaf's faces relative to a point, by a map that is monotone.
