@@ -24,66 +24,98 @@ pub use classify::PathFinder;
 
 /// Type of a pair of corresponding paths, as found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(into = "&'static str")]
 pub enum PairType {
     /// Two closed paths.
-    #[serde(rename = "CLOSED/CLOSED")]
     Closed,
     /// One closed path with one loop vertex, visited twice: two closed paths after the split.
-    #[serde(rename = "EIGHT")]
     Eight,
     /// A closed path with two loop vertices: a line in the world.
-    #[serde(rename = "LL")]
     LoopLoop,
     /// From the boundary to a loop vertex and back to the inside.
-    #[serde(rename = "BLI")]
     BoundaryLoopInside,
     /// From the boundary to a loop vertex and back to the boundary.
-    #[serde(rename = "BLB")]
     BoundaryLoopBoundary,
     /// Two BLI whose free ends touch on the boundary.
-    #[serde(rename = "BLLB")]
     BoundaryLoopLoopBoundary,
     /// Two BLI that share their loop vertex: a BB/II pair after the split.
-    #[serde(rename = "CROSS")]
     Cross,
     /// One copy ends twice on the boundary, the other never.
-    #[serde(rename = "BB/II")]
     BoundaryBoundaryInsideInside,
     /// One copy ends twice on the boundary, the other once.
-    #[serde(rename = "BB/BI")]
     BoundaryBoundaryBoundaryInside,
     /// Both copies end twice on the boundary.
-    #[serde(rename = "BB/BB")]
     BoundaryBoundaryBoundaryBoundary,
     /// Both copies end once on the boundary.
-    #[serde(rename = "BI/BI")]
     BoundaryInside,
+}
+
+impl PairType {
+    /// The name of the type in the paper, as everywhere: in reports, files and pictures.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Closed => "CLOSED/CLOSED",
+            Self::Eight => "EIGHT",
+            Self::LoopLoop => "LL",
+            Self::BoundaryLoopInside => "BLI",
+            Self::BoundaryLoopBoundary => "BLB",
+            Self::BoundaryLoopLoopBoundary => "BLLB",
+            Self::Cross => "CROSS",
+            Self::BoundaryBoundaryInsideInside => "BB/II",
+            Self::BoundaryBoundaryBoundaryInside => "BB/BI",
+            Self::BoundaryBoundaryBoundaryBoundary => "BB/BB",
+            Self::BoundaryInside => "BI/BI",
+        }
+    }
+}
+
+impl From<PairType> for &'static str {
+    fn from(value: PairType) -> Self {
+        value.name()
+    }
 }
 
 /// Type of one path after splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(into = "&'static str")]
 pub enum PathType {
     /// A loop without a loop vertex.
-    #[serde(rename = "CLOSED")]
     Closed,
     /// A loop with two loop vertices, its own corresponding path.
-    #[serde(rename = "LL")]
     LoopLoop,
     /// Boundary, loop vertex, inside; its own corresponding path.
-    #[serde(rename = "BLI")]
     BoundaryLoopInside,
     /// Boundary, loop vertex, boundary; its own corresponding path.
-    #[serde(rename = "BLB")]
     BoundaryLoopBoundary,
     /// Both ends on the boundary.
-    #[serde(rename = "BB")]
     BoundaryBoundary,
     /// One end on the boundary.
-    #[serde(rename = "BI")]
     BoundaryInside,
     /// No end on the boundary.
-    #[serde(rename = "II")]
     InsideInside,
+}
+
+impl PathType {
+    /// The name of the type in the paper, as everywhere: in reports, files and pictures.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Closed => "CLOSED",
+            Self::LoopLoop => "LL",
+            Self::BoundaryLoopInside => "BLI",
+            Self::BoundaryLoopBoundary => "BLB",
+            Self::BoundaryBoundary => "BB",
+            Self::BoundaryInside => "BI",
+            Self::InsideInside => "II",
+        }
+    }
+}
+
+impl From<PathType> for &'static str {
+    fn from(value: PathType) -> Self {
+        value.name()
+    }
 }
 
 /// A place on the cloth.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use client::{Correction, Precision, PublishError, StepTime};
+use client::{Correction, Loan, Precision, PublishError, StepTime};
 
 use crate::{
     error::{ErrorCode, Fault, guard},
@@ -23,19 +23,9 @@ pub unsafe extern "C" fn untangled_begin_frame(
     dt_s: f64,
     positions: *mut *mut f32,
 ) -> ErrorCode {
-    guard(|| {
-        // SAFETY: the caller's promise.
-        let place = unsafe { input::place("positions", positions) }?;
-        place.write(std::ptr::null_mut());
-        with(session, |open| {
-            let mut loan = open.session.loan(StepTime { simulated_s, dt_s })?;
-            let registered = Precision::F64;
-            let slots = loan.positions_f32().ok_or(PublishError::Precision { registered })?;
-            place.write(slots.as_mut_ptr().cast());
-            open.loan = Some(loan);
-            Ok(())
-        })
-    })
+    let first = |loan: &mut Loan| loan.positions_f32().map(|slots| slots.as_mut_ptr().cast());
+    // SAFETY: the caller's promise.
+    unsafe { begin(session, StepTime { simulated_s, dt_s }, positions, first, Precision::F64) }
 }
 
 /// `untangled_begin_frame` of a session in double precision.
@@ -49,15 +39,29 @@ pub unsafe extern "C" fn untangled_begin_frame_f64(
     dt_s: f64,
     positions: *mut *mut f64,
 ) -> ErrorCode {
+    let first = |loan: &mut Loan| loan.positions_f64().map(|slots| slots.as_mut_ptr().cast());
+    // SAFETY: the caller's promise.
+    unsafe { begin(session, StepTime { simulated_s, dt_s }, positions, first, Precision::F32) }
+}
+
+/// Lends a frame and writes where its positions are, by `first`, which finds them unless the session is registered in the `other` precision.
+///
+/// # Safety
+/// `positions` is null or may be written.
+unsafe fn begin<T>(
+    session: SessionHandle,
+    step: StepTime,
+    positions: *mut *mut T,
+    first: impl FnOnce(&mut Loan) -> Option<*mut T>,
+    other: Precision,
+) -> ErrorCode {
     guard(|| {
         // SAFETY: the caller's promise.
         let place = unsafe { input::place("positions", positions) }?;
         place.write(std::ptr::null_mut());
         with(session, |open| {
-            let mut loan = open.session.loan(StepTime { simulated_s, dt_s })?;
-            let registered = Precision::F32;
-            let slots = loan.positions_f64().ok_or(PublishError::Precision { registered })?;
-            place.write(slots.as_mut_ptr().cast());
+            let mut loan = open.session.loan(step)?;
+            place.write(first(&mut loan).ok_or(PublishError::Precision { registered: other })?);
             open.loan = Some(loan);
             Ok(())
         })

@@ -11,7 +11,6 @@ use untangled::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
-    paths::{PairType, PathType},
     relax::{Quality, RelaxSettings, relax},
     settings::Settings,
 };
@@ -79,8 +78,8 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
         let faces = (0..points.len()).map(|k| segments.get(k).or(segments.last()));
         let record = PyDict::new(py);
         record.set_item("pair", path.pair)?;
-        record.set_item("pair_type", pair_name(analysis.paths.pairs[path.pair].pair_type))?;
-        record.set_item("type", path_name(path.path_type))?;
+        record.set_item("pair_type", analysis.paths.pairs[path.pair].pair_type.name())?;
+        record.set_item("type", path.path_type.name())?;
         record.set_item("partner", path.partner)?;
         record.set_item("closed", path.closed)?;
         let coordinates = points.iter().flat_map(|point| <[f64; 3]>::from(point.position.coords));
@@ -145,7 +144,7 @@ pub(crate) fn fix<'py>(
     result.set_item("num_iterations", relaxed.history.len())?;
     let blocked = PyList::empty(py);
     for path in relaxed.blocked {
-        blocked.append((pair_name(path.pair_type), path.vertex, path.length_m, path.reason))?;
+        blocked.append((path.pair_type.name(), path.vertex, path.length_m, path.reason))?;
     }
     result.set_item("blocked", blocked)?;
     Ok(result)
@@ -156,32 +155,4 @@ pub(crate) fn fix<'py>(
 pub(crate) fn count_intersections(py: Python<'_>, vertices: &[u8], triangles: &[u8]) -> PyResult<usize> {
     let (positions, triangles) = (f64s("vertices", vertices)?, u32s("triangles", triangles)?);
     py.detach(|| count_edge_face(&positions, &triangles)).map_err(|error| PyValueError::new_err(error.to_string()))
-}
-
-fn pair_name(pair_type: PairType) -> &'static str {
-    match pair_type {
-        PairType::Closed => "CLOSED/CLOSED",
-        PairType::Eight => "EIGHT",
-        PairType::LoopLoop => "LL",
-        PairType::BoundaryLoopInside => "BLI",
-        PairType::BoundaryLoopBoundary => "BLB",
-        PairType::BoundaryLoopLoopBoundary => "BLLB",
-        PairType::Cross => "CROSS",
-        PairType::BoundaryBoundaryInsideInside => "BB/II",
-        PairType::BoundaryBoundaryBoundaryInside => "BB/BI",
-        PairType::BoundaryBoundaryBoundaryBoundary => "BB/BB",
-        PairType::BoundaryInside => "BI/BI",
-    }
-}
-
-fn path_name(path_type: PathType) -> &'static str {
-    match path_type {
-        PathType::Closed => "CLOSED",
-        PathType::LoopLoop => "LL",
-        PathType::BoundaryLoopInside => "BLI",
-        PathType::BoundaryLoopBoundary => "BLB",
-        PathType::BoundaryBoundary => "BB",
-        PathType::BoundaryInside => "BI",
-        PathType::InsideInside => "II",
-    }
 }

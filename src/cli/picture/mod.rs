@@ -110,7 +110,7 @@ impl Picture {
         for (pair_type, count) in paths::counts(analysis) {
             let colour = theme::path(pair_type);
             self.rectangle(MARGIN, y + 4, 28, 8, colour);
-            self.text(MARGIN + 40, y, &format!("{} x {count}", theme::name(pair_type)), theme::INK);
+            self.text(MARGIN + 40, y, &format!("{} x {count}", pair_type.name()), theme::INK);
             y += LINE;
         }
     }

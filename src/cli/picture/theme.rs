@@ -39,23 +39,6 @@ pub(super) fn path(pair_type: PairType) -> Colour {
     Colour::new(r, g, b)
 }
 
-/// Name of a type of path, as everywhere else.
-pub(super) fn name(pair_type: PairType) -> &'static str {
-    match pair_type {
-        PairType::Closed => "CLOSED/CLOSED",
-        PairType::Eight => "EIGHT",
-        PairType::LoopLoop => "LL",
-        PairType::BoundaryLoopInside => "BLI",
-        PairType::BoundaryLoopBoundary => "BLB",
-        PairType::BoundaryLoopLoopBoundary => "BLLB",
-        PairType::Cross => "CROSS",
-        PairType::BoundaryBoundaryInsideInside => "BB/II",
-        PairType::BoundaryBoundaryBoundaryInside => "BB/BI",
-        PairType::BoundaryBoundaryBoundaryBoundary => "BB/BB",
-        PairType::BoundaryInside => "BI/BI",
-    }
-}
-
 /// From a colour to what a file holds.
 pub(super) fn to_bytes(colour: Colour) -> [u8; 3] {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255")]
