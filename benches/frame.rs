@@ -1,4 +1,4 @@
-//! Whole frames of analysis on generated sheets, flat and crumpled.
+//! Whole frames of analysis on generated sheets, flat and crumpled: from nothing, and again and again.
 
 #[path = "../tests/support/sheet.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a part of what the tests use")]
@@ -18,9 +18,17 @@ fn analyse(criterion: &mut Criterion) {
         for (state, positions) in [("untangled", &flat), ("tangled", &crumpled.positions)] {
             let frame = Frame::new(&mesh, positions).expect("generated positions are finite");
             let mut analyser = Analyser::default();
-            group.bench_with_input(BenchmarkId::new(state, num_faces), &frame, |bencher, frame| {
-                bencher.iter(|| analyser.analyse(&mesh, frame, &Settings::default(), &mut ()).paths.pairs.len());
-            });
+            for (memory, keeps) in [("cold", false), ("coherent", true)] {
+                let id = BenchmarkId::new(format!("{state}/{memory}"), num_faces);
+                group.bench_with_input(id, &frame, |bencher, frame| {
+                    bencher.iter(|| {
+                        if !keeps {
+                            analyser.forget();
+                        }
+                        analyser.analyse(&mesh, frame, &Settings::default(), &mut ()).paths.pairs.len()
+                    });
+                });
+            }
         }
     }
     group.finish();

@@ -84,6 +84,11 @@ impl Analyser {
         &self.analysis
     }
 
+    /// Forgets the last frame, so that the next one is searched from nothing: for measuring, since answers never depend on what came before.
+    pub fn forget(&mut self) {
+        self.intersector.forget();
+    }
+
     /// The last analysis.
     #[must_use]
     pub fn last(&self) -> &Analysis {

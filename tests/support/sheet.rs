@@ -47,12 +47,17 @@ struct Wave {
 /// A sheet of `resolution x resolution` squares of side 1 / `resolution` metres that has just begun to intersect itself, or somewhat later.
 /// The same seed gives the same sheet.
 pub(crate) fn crumpled(seed: u64, resolution: u32) -> Sheet {
+    crumpled_further(seed, resolution, 1.5, 0)
+}
+
+/// The same with waves of up to `frequency` over the sheet, and so many steps further than the first contact.
+pub(crate) fn crumpled_further(seed: u64, resolution: u32, frequency: f64, further: u32) -> Sheet {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (faces, uvs) = grid(resolution, &mut rng);
     let waves: Vec<Wave> = (0..6)
         .map(|_| Wave {
             direction: std::array::from_fn(|_| rng.random_range(-1.0..1.0)),
-            frequency: std::array::from_fn(|_| rng.random_range(-1.5..1.5)),
+            frequency: std::array::from_fn(|_| rng.random_range(-frequency..frequency)),
             phase: rng.random_range(0.0..std::f64::consts::TAU),
         })
         .collect();
@@ -61,7 +66,7 @@ pub(crate) fn crumpled(seed: u64, resolution: u32) -> Sheet {
     let mut amplitude = 0.1;
     let (mut found, mut intersector) = (Intersections::default(), Intersector::default());
     // A little beyond the first contact, so that more than one type of path is met.
-    let mut steps_beyond = rng.random_range(1..5);
+    let mut steps_beyond = rng.random_range(1..5) + further;
     while steps_beyond > 0 {
         amplitude *= 1.15;
         assert!(amplitude < 1e3, "seed {seed} never intersects itself");
