@@ -23,9 +23,9 @@ use hosts::{has, libraries, root, run, scratch};
 use untangled_client::Registration;
 
 /// Runs of each client; they take turns, so that what else the machine does hits all of them.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 /// Frames of a run.
-const REPEATS: usize = 200;
+const REPEATS: usize = 100;
 
 #[test]
 #[ignore = "a measurement"]
