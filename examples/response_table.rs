@@ -9,6 +9,8 @@
 //! shares no code with the untangler. Files (OBJ) are run with the shape of the file as rest shape, without gravity.
 #![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
 
+mod support;
+
 use std::{
     env,
     error::Error,
@@ -17,22 +19,23 @@ use std::{
     time::{Duration, Instant},
 };
 
+use support::{
+    Knowledge,
+    host::{DT_S, Taken, mesh_of},
+};
 use untangled::{
     frame::Frame,
-    mesh::{Mesh, MeshDescription, Uvs},
-    respond::VertexFlags,
     settings::{Response, Settings},
     untangler::Untangler,
 };
 use untangled_publisher::{
     check::count_edge_face,
-    mesh::{Cloth, Vec3},
+    mesh::Cloth,
     obj,
     scenes::Scene,
-    solver::{Help, Parameters, Solver},
+    solver::{Parameters, Solver},
 };
 
-const DT_S: f64 = 1.0 / 60.0;
 /// A scene is held when it stays clean for so many steps.
 const HELD: usize = 5;
 const SCENES: [(&str, &str); 7] = [
@@ -170,40 +173,15 @@ fn print_row(scene: &str, method: &str, run: &Run, markdown: bool) {
     }
 }
 
-/// The same parameters as the publisher's command line.
-fn solver(cloth: Cloth, gravity_m_s2: f64) -> Solver {
-    let parameters = Parameters {
-        gravity_m_s2: Vec3::new(0.0, 0.0, -gravity_m_s2),
-        density_kg_m2: 0.2,
-        stretch_n_m: 1e3,
-        bending_n_m: 1e-4,
-        drag_1_s: 8.0,
-        thickness_m: 0.2 * cloth.mean_edge_length_m(),
-        num_substeps: 8,
-    };
-    Solver::new(cloth, parameters)
-}
-
 fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
-    let mut solver = solver(cloth, gravity_m_s2);
-    let cloth = solver.cloth();
-    let edges = cloth.edges();
-    let rest: Vec<f64> = edges.iter().map(|&edge| cloth.rest_length(edge)).collect();
-    let mesh = Mesh::new(MeshDescription {
-        num_vertices: cloth.positions.len(),
-        faces: cloth.triangles.clone(),
-        uvs: cloth.uvs.as_ref().map(|uvs| Uvs { coordinates: uvs.coordinates.clone(), corners: uvs.corners.clone() }),
-        rest_positions: Some(cloth.rest_positions.iter().map(|&position| position.into()).collect()),
-        masses_kg: Some(solver.masses_kg().to_vec()),
-        pins: cloth.pins.clone(),
-        ..MeshDescription::default()
-    })?;
-    let mesh = Arc::new(mesh);
+    let parameters = Parameters::of_cloth(&cloth, gravity_m_s2);
+    let mut solver = Solver::new(cloth, parameters);
+    let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
     let settings = Settings { response: method.response, ..Settings::default() };
     let mut untangler = Untangler::new(mesh, settings)?;
     let mut run =
         Run { before: 0, steps: None, held: true, after: 0, stretch: 1.0, untangler: Duration::ZERO, busy_steps: 0 };
-    let (mut velocities, mut displacements, mut no_contact) = (Vec::new(), Vec::new(), Vec::new());
+    let mut taken = Taken::default();
     for step in 0..=most {
         let points = solver.cloth().points();
         run.after = count_edge_face(&points, &solver.cloth().triangles)?;
@@ -230,34 +208,14 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bo
             let pairs = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments));
             println!("  {step:>4} {:>5} {:?}", run.after, pairs.collect::<Vec<_>>());
         }
-        velocities.clear();
-        displacements.clear();
-        no_contact.clear();
         if method.values {
-            // Forces are those of one step: divided by the mass, they are its displacement.
-            let steps = corrections.forces.iter().zip(solver.masses_kg()).map(|(force, mass)| force / *mass);
-            if matches!(method.response, Response::Displacement | Response::Coupled) {
-                displacements.extend(steps);
-            } else {
-                velocities.extend(steps.map(|step| step / DT_S));
-            }
+            taken.take_values(corrections, solver.masses_kg(), method.response);
         }
         if method.mask {
-            let mask =
-                |flags: &VertexFlags| flags.contains(VertexFlags::INSIDE) || flags.contains(VertexFlags::NEAR_PATH);
-            no_contact.extend(corrections.flags.iter().map(mask));
+            taken.take_mask(corrections);
         }
-        solver.step(
-            DT_S,
-            Help { velocity_change_m_s: &velocities, displacement_m: &displacements, no_contact: &no_contact },
-        );
+        solver.step(DT_S, taken.help());
     }
-    let positions = &solver.cloth().positions;
-    for (&[a, b], rest) in edges.iter().zip(rest) {
-        let ratio = (positions[a as usize] - positions[b as usize]).norm() / rest;
-        if ratio.ln().abs() > run.stretch.ln().abs() {
-            run.stretch = ratio;
-        }
-    }
+    run.stretch = solver.cloth().worst_edge_ratio();
     Ok(run)
 }

@@ -102,6 +102,9 @@ fn the_longest_paths_come_first() {
 fn shortening_and_flags_end_early_too() {
     assert_eq!(answer(Response::Contour, 4).0, 0b010);
     assert_eq!(answer(Response::Contour, 4).1.num_pairs, 2);
+    for (questions, strips) in [(6, 0b111), (5, 0b110), (4, 0b010), (3, 0b000), (0, 0b000)] {
+        assert_eq!(answer(Response::Coupled, questions).0, strips, "{questions} questions");
+    }
     assert_eq!(answer(Response::Mask, 2).1.num_pairs, 1);
     assert_eq!(answer(Response::Mask, 3).1.num_pairs, 0);
 }

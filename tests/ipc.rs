@@ -5,7 +5,10 @@
 #[path = "support/daemon.rs"]
 mod support;
 
-use std::{process::Stdio, time::Duration};
+use std::{
+    process::Stdio,
+    time::{Duration, Instant},
+};
 
 use rustix::process::Signal;
 use serde_json::json;
@@ -71,6 +74,35 @@ fn two_sessions_do_not_meet() {
     drop(small);
     eventually("the small session is gone", || client.status().unwrap()["sessions"].as_array().unwrap().len() == 1);
     large.exchange(STEP, DEADLINE, fill_flat).unwrap();
+}
+
+/// Events of many clients at once are what the transport loses wake-ups by; the daemon's tick, twice a second, must not be what serves them.
+#[test]
+fn crowds_are_not_served_by_the_tick() {
+    const CLIENTS: usize = 8;
+    const FRAMES: usize = 500;
+    let tick = Duration::from_millis(400);
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let num_slow: usize = std::thread::scope(|scope| {
+        let clients: Vec<_> = (0..CLIENTS)
+            .map(|_| {
+                scope.spawn(|| {
+                    let mut session = domain.connect().register(sheet(1)).unwrap();
+                    let mut num_slow = 0;
+                    for _ in 0..FRAMES {
+                        let begin = Instant::now();
+                        session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+                        num_slow += usize::from(begin.elapsed() > tick);
+                    }
+                    num_slow
+                })
+            })
+            .collect();
+        clients.into_iter().map(|client| client.join().unwrap()).sum()
+    });
+    // A machine may stand still for a moment, but not for one frame in a hundred.
+    assert!(num_slow < CLIENTS * FRAMES / 100, "{num_slow} of {} frames waited for a tick", CLIENTS * FRAMES);
 }
 
 #[test]

@@ -244,7 +244,8 @@ pub fn idle(programs: Programs) -> String {
     for session in &mut sessions {
         drop(scene.exchange(session, PATIENCE).expect("an answer"));
     }
-    std::thread::sleep(Duration::from_secs(1));
+    // Until what was just opened counts as settled.
+    std::thread::sleep(Duration::from_secs(4));
     let before = daemon.ticks();
     std::thread::sleep(Duration::from_secs(10));
     let ticks = daemon.ticks() - before;

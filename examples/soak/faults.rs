@@ -5,7 +5,7 @@ use std::{
         Arc,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
-    thread::JoinHandle,
+    thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
 
@@ -134,7 +134,7 @@ pub fn client_kills(programs: Programs, num_tries: u64, seed: u64) -> Row {
     let mut daemon = Daemon::start(programs, &domain, &[]);
     let witness = Witness::start(&domain, 500, Duration::from_millis(1), false);
     witness.wait_for_frame();
-    let before = (domain.shared_memory().0, daemon.memory());
+    let before = (domain.shared_memory().0, daemon.memory(), domain.num_files());
     let mut moments = std::collections::BTreeMap::<String, u64>::new();
     for attempt in 0..num_tries {
         let role = ["frames", "register", "loan"][attempt as usize % 3];
@@ -150,6 +150,7 @@ pub fn client_kills(programs: Programs, num_tries: u64, seed: u64) -> Row {
     }
     eventually("the sessions of the dead are gone", || num_sessions(&domain) == 1);
     eventually("their shared memory is gone", || domain.shared_memory().0 <= before.0);
+    eventually("their files are gone", || domain.num_files() <= before.2);
     row.note = format!(
         "killed {}; shared-memory files {} before and {} after, daemon's memory {:.1} and {:.1} MB",
         moments.iter().map(|(moment, count)| format!("{moment} {count}")).collect::<Vec<_>>().join(", "),
@@ -301,6 +302,12 @@ pub fn open_and_close(programs: Programs, num_tries: u64) -> Row {
     let before = (domain.shared_memory().0, domain.num_files(), daemon.memory());
     (warm_up..num_tries).for_each(|_| once(&mut row));
     settle();
+    // What a session leaves goes with the next round of cleaning up.
+    let is_more = || domain.shared_memory().0 > before.0 || domain.num_files() > before.1;
+    let patience = Instant::now() + Duration::from_secs(20);
+    while is_more() && Instant::now() < patience {
+        thread::sleep(Duration::from_millis(100));
+    }
     let after = (domain.shared_memory().0, domain.num_files(), daemon.memory());
     row.note = format!(
         "after {warm_up} and after all: shared-memory files {} and {}, other files {} and {}, daemon's memory {:.2} and {:.2} MB",

@@ -20,7 +20,7 @@ use super::{
 const DONE: &str = "full-memory: ";
 
 /// Runs [`inner`] where `/dev/shm` is small; nothing where this user can't make such a place. `program` must lead to `inner`.
-pub fn full_memory(mut program: Command) -> Option<Row> {
+pub fn full_memory(program: Command) -> Option<Row> {
     let mut outer = Command::new("unshare");
     if !rustix::process::getuid().is_root() {
         outer.args(["--user", "--map-root-user"]);
@@ -28,8 +28,12 @@ pub fn full_memory(mut program: Command) -> Option<Row> {
     outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=96m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
     outer.arg(program.get_program()).args(program.get_args());
     outer.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
-    program = outer;
-    let output = program.stdin(Stdio::null()).stderr(Stdio::inherit()).output().ok()?;
+    // In the namespace this user is root, but root's own folder of domains is not this user's to make.
+    let runtime = format!("/tmp/full-memory-{}", std::process::id());
+    outer.env("XDG_RUNTIME_DIR", &runtime);
+    let output = outer.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let _ = std::fs::remove_dir_all(&runtime);
+    let output = output.ok()?;
     let text = String::from_utf8_lossy(&output.stdout);
     match (text.lines().find_map(|line| Some(line.split_once(DONE)?.1)), output.status.code()) {
         (Some(line), Some(0)) => {

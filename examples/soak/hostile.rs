@@ -249,7 +249,7 @@ pub fn request_limits(programs: Programs) -> Row {
         };
         let known = Status::from_code(reply.status).is_some_and(|status| status != Status::Internal);
         let in_words = reply.status == 0 || !text.is_empty();
-        if !known || !in_words || std::str::from_utf8(&text).is_err() {
+        if !known || !in_words || reply.token != header.token || std::str::from_utf8(&text).is_err() {
             eprintln!("{header:?}: {reply:?} {}", String::from_utf8_lossy(&text));
             row.num_wrong += 1;
         }
@@ -304,7 +304,8 @@ fn limit_cases() -> Vec<(RequestHeader, Vec<u8>)> {
     for value in [0, 1, 2, u32::MAX - 1, u32::MAX] {
         header_case(RequestHeader { protocol_version: value, ..good });
         header_case(RequestHeader { flags: value, ..good });
-        header_case(RequestHeader { reserved: [u64::from(value); 5], ..good });
+        header_case(RequestHeader { token: [u64::from(value); 2], ..good });
+        header_case(RequestHeader { reserved: [u64::from(value); 3], ..good });
     }
     for kind in (0..8).chain([u32::MAX]) {
         // None that lives: whoever asks to close a session is believed.

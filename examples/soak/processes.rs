@@ -9,7 +9,7 @@ use std::{
 };
 
 use rustix::process::{Pid, Signal, kill_process};
-use untangled_client::{Client, ClientOptions, Session};
+use untangled_client::{Client, ClientOptions, RegisterError, RequestError, Session, Status};
 use untangled_proto::{Domain, lock::DomainLock, memory};
 
 use super::scene::Scene;
@@ -80,8 +80,10 @@ impl Daemon {
         let mut command = (programs.daemon)(domain.name(), arguments);
         let mut child = command.stderr(Stdio::piped()).spawn().expect("the daemon's program is there");
         let mut lines = BufReader::new(child.stderr.take().expect("it is a pipe")).lines();
-        let ready = lines.by_ref().map_while(Result::ok).any(|line| line == "ready");
-        assert!(ready, "the daemon did not start");
+        let mut said = Vec::new();
+        let ready =
+            lines.by_ref().map_while(Result::ok).inspect(|line| said.push(line.clone())).any(|line| line == "ready");
+        assert!(ready, "the daemon did not start: {said:?}");
         // Read on, so that the daemon never blocks on its log, and show what matters, or all of it.
         let all = std::env::var_os("SOAK_LOG").is_some();
         std::thread::spawn(move || {
@@ -189,13 +191,24 @@ pub fn client_main(domain: &str, role: &str) {
     };
     // Long enough that it outlives a daemon that is restarted, and not much longer than whoever watches it.
     let options = ClientOptions { domain: Some(domain.to_owned()), timeout: PATIENCE };
-    let Ok(client) = Client::connect(options) else { return };
+    let client = match Client::connect(options) {
+        Ok(client) => client,
+        Err(error) => return eprintln!("a client that connected: {error}"),
+    };
     say("connected");
     let scene = Scene::new(if role == "register" { 20_000 } else { 500 });
     let mut held = std::collections::VecDeque::new();
     loop {
         say("registering");
-        let Ok(mut session) = client.register(scene.registration()) else { return };
+        let mut session = match client.register(scene.registration()) {
+            Ok(session) => session,
+            // The sessions of the dead count until they are cleaned up behind.
+            Err(RegisterError::Request(RequestError::Refused { status: Status::TooManySessions, .. })) => {
+                std::thread::sleep(Duration::from_millis(20));
+                continue;
+            }
+            Err(error) => return eprintln!("a client that registered: {error}"),
+        };
         say("registered");
         if role == "register" {
             continue;

@@ -1,9 +1,10 @@
 //! How fast frames are, as tables in Markdown; `docs/SPEED.md` is made by it.
 //!
 //! ```sh
-//! cargo run --release --example speed -- [--largest RESOLUTION] > docs/SPEED.md
+//! cargo run --release --example speed -- [--largest RESOLUTION] [--only TABLE] > docs/SPEED.md
 //! ```
 //!
+//! Tables: search, paper, growth, cores, scenes.
 //! Generated sheets of 2 n^2 triangles: n is 35, 125, 250, 500 and 1000, up to the one given (1000). Times are of the processor, not of the clock on
 //! the wall, on one thread but where two are named; contenders take turns, and the least of their times counts.
 
@@ -28,12 +29,13 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 const RESOLUTIONS: [u32; 5] = [35, 125, 250, 500, 1000];
 
 fn main() -> Result<(), Failure> {
-    let mut largest = 1000;
+    let (mut largest, mut only) = (1000, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match (argument.as_str(), arguments.next()) {
             ("--largest", Some(value)) => largest = value.parse()?,
-            _ => return Err(format!("{argument}: only --largest RESOLUTION is known").into()),
+            ("--only", Some(value)) => only = Some(value),
+            _ => return Err(format!("{argument}: only --largest RESOLUTION and --only TABLE are known").into()),
         }
     }
     let resolutions: Vec<u32> = RESOLUTIONS.into_iter().filter(|&resolution| resolution <= largest).collect();
@@ -41,12 +43,23 @@ fn main() -> Result<(), Failure> {
     println!(
         "Made by `cargo run --release --example speed > docs/SPEED.md`; do not edit. Times are of one busy machine's processor: read the ratios."
     );
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    pool.install(|| search::table(&resolutions))?;
-    pool.install(frames::paper_table)?;
-    pool.install(frames::growth_table)?;
-    cores::table(&resolutions)?;
-    pool.install(scenes::table)?;
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let wants = |table: &str| only.as_deref().is_none_or(|only| only == table);
+    if wants("search") {
+        one.install(|| search::table(&resolutions))?;
+    }
+    if wants("paper") {
+        one.install(frames::paper_table)?;
+    }
+    if wants("growth") {
+        one.install(frames::growth_table)?;
+    }
+    if wants("cores") {
+        cores::table(&resolutions)?;
+    }
+    if wants("scenes") {
+        one.install(scenes::table)?;
+    }
     Ok(())
 }
 

@@ -44,8 +44,11 @@ pub struct RequestHeader {
     pub num_sections: u32,
     /// Zero.
     pub flags: u32,
+    /// Tells this request from all others; the reply repeats it. iceoryx2 0.10 can hand a late reply to a client that took the place of the
+    /// one that it was meant for.
+    pub token: [u64; 2],
     /// Zero.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 3],
 }
 
 /// Header of a reply. The payload is UTF-8: a JSON document, or the reason for a refusal in words.
@@ -61,8 +64,10 @@ pub struct ReplyHeader {
     pub instance: u64,
     /// The session that was registered.
     pub session: u64,
+    /// That of the request.
+    pub token: [u64; 2],
     /// Zero.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 3],
 }
 
 /// What a daemon says of itself, as JSON.

@@ -4,7 +4,8 @@
 //! not set; its shared memory has the prefix `untangled-UID-HASH-`, where HASH stands for the root folder. Different names never meet.
 
 use std::{
-    os::unix::fs::{DirBuilderExt, MetadataExt},
+    fs::Permissions,
+    os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt},
     path::{Path, PathBuf},
 };
 
@@ -185,9 +186,11 @@ impl Domain {
         let root = iceoryx2::prelude::Path::new(self.root.as_os_str().as_encoded_bytes()).map_err(|_| refused())?;
         let mut config = Config::default();
         config.global.set_root_path(&root);
-        // The daemon alone cleans up after the dead: it may take long, and a client has deadlines.
+        // The daemon alone cleans up behind the dead: it may take long, a client has deadlines, and one that is killed while it cleans
+        // leaves what nobody removes any more.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
         config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(|_| refused())?;
         Ok(config)
     }
@@ -195,7 +198,13 @@ impl Domain {
 
 fn create_private(path: &Path) -> Result<(), DomainError> {
     let failed = |source| DomainError::Folder { path: path.to_owned(), source };
-    std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)
+    std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
+    let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
+    // iceoryx2 changes the process's umask for a moment whenever it makes a listener, and a process that is started just then keeps it.
+    if metadata.uid() == rustix::process::getuid().as_raw() && metadata.is_dir() && metadata.mode() & 0o700 != 0o700 {
+        std::fs::set_permissions(path, Permissions::from_mode(0o700)).map_err(failed)?;
+    }
+    Ok(())
 }
 
 /// The 32-bit FNV-1a hash: short, and easy to write in any language.
@@ -206,6 +215,18 @@ fn fnv1a(bytes: &[u8]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn folders_made_under_a_strange_umask_are_put_right() {
+        let base = std::env::temp_dir().join(format!("umask-{}", std::process::id()));
+        let domain = Domain::new("test", Some(&base), rustix::process::getuid().as_raw()).unwrap();
+        domain.create_folders().unwrap();
+        std::fs::set_permissions(domain.root(), Permissions::from_mode(0o600)).unwrap();
+        domain.create_folders().unwrap();
+        let mode = std::fs::metadata(domain.root()).unwrap().mode() & 0o777;
+        std::fs::remove_dir_all(&base).unwrap();
+        assert_eq!(mode, 0o700);
+    }
 
     #[test]
     fn names_and_paths() {

@@ -8,7 +8,7 @@ use std::{
     io::{Error, ErrorKind, Result},
     os::unix::fs::{MetadataExt, PermissionsExt},
     path::Path,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use rustix::{
@@ -73,21 +73,43 @@ pub fn remove_unfinished(domain: &Domain, age: Duration) -> Result<usize> {
         // Others may come and go.
         let Ok(metadata) = entry.metadata() else { continue };
         let is_old = metadata.modified().is_ok_and(|written| written.elapsed().is_ok_and(|since| since >= age));
-        if metadata.is_file() && metadata.mode() & 0o777 == UNFINISHED && is_old && processes(name).any(is_gone) {
+        if metadata.is_file()
+            && metadata.mode() & 0o777 == UNFINISHED
+            && is_old
+            && processes(name).any(ProcessId::is_gone)
+        {
             removed += usize::from(std::fs::remove_file(entry.path()).is_ok());
         }
     }
     Ok(removed)
 }
 
-/// The processes in the ids of ports and nodes that the name of a segment carries: seconds, nanoseconds, process and counter, 32 bits each.
-fn processes(name: &str) -> impl Iterator<Item = Pid> {
-    let numbers = name.split(['_', '.']).filter_map(|part| part.parse::<u128>().ok());
-    numbers.filter_map(|id| i32::try_from((id >> 64) & u128::from(u32::MAX)).ok().and_then(Pid::from_raw))
+/// A process, as the ids of its nodes and ports carry it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ProcessId(Pid);
+
+impl ProcessId {
+    /// From the id of a node or port: seconds, nanoseconds, process and counter, 32 bits each, from the lowest.
+    #[must_use]
+    pub fn of(id: u128) -> Option<Self> {
+        i32::try_from((id >> 64) & u128::from(u32::MAX)).ok().and_then(Pid::from_raw).map(Self)
+    }
+
+    /// Whether the system knows no such process, as far as it can be seen from here.
+    #[must_use]
+    pub fn is_gone(self) -> bool {
+        test_kill_process(self.0) == Err(Errno::SRCH)
+    }
 }
 
-fn is_gone(process: Pid) -> bool {
-    test_kill_process(process) == Err(Errno::SRCH)
+/// The processes in the ids that the name of a file of iceoryx2 carries.
+pub fn processes(name: &str) -> impl Iterator<Item = ProcessId> {
+    parts(name).filter_map(|part| ProcessId::of(part.parse().ok()?))
+}
+
+/// Ids stand whole between these: an id must not be found inside another, nor in the prefix.
+fn parts(name: &str) -> impl Iterator<Item = &str> {
+    name.split(['_', '.'])
 }
 
 /// Takes all pages of the segments of a port, so that no later write to them can fail. Returns their bytes.
@@ -110,10 +132,10 @@ pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
     let mut bytes = 0;
     for entry in std::fs::read_dir(FOLDER)?.flatten() {
         let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
+        let Some(name) = name.to_str().and_then(|name| name.strip_prefix(domain.prefix())) else { continue };
         // Connections of the port have its id in their names as well, and are written to by both sides.
-        if name.starts_with(domain.prefix()) && name.contains(&port) {
-            match OpenOptions::new().read(true).write(true).open(entry.path()) {
+        if parts(name).any(|part| part == port) {
+            match open_finished(&entry.path()) {
                 Ok(file) => bytes += commit_file(&file, &entry.path(), most)?,
                 // Others may come and go.
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
@@ -122,6 +144,19 @@ pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
         }
     }
     Ok(bytes)
+}
+
+/// Opens a segment. The peer may be just making it, a connection to a port of ours: then nobody may read it yet, but only for a moment.
+fn open_finished(path: &Path) -> Result<File> {
+    let patience = Instant::now() + UNFINISHED_AGE;
+    loop {
+        match OpenOptions::new().read(true).write(true).open(path) {
+            Err(error) if error.kind() == ErrorKind::PermissionDenied && Instant::now() < patience => {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            other => return other,
+        }
+    }
 }
 
 fn commit_file(file: &File, path: &Path, most: u64) -> Result<u64> {
@@ -182,7 +217,8 @@ mod tests {
     #[test]
     fn a_segment_is_taken_whole() {
         let domain = Domain::new(&format!("memory-{}", std::process::id()), None, 7).unwrap();
-        let path = Path::new(FOLDER).join(format!("{}{}.data", domain.prefix(), 1234));
+        // What the prefix or another id holds is not the port.
+        let path = Path::new(FOLDER).join(format!("{}0abc77_1771_1234.data", domain.prefix()));
         let file = File::create(&path).unwrap();
         file.set_len(1 << 20).unwrap();
         assert_eq!(file.metadata().unwrap().blocks(), 0, "nothing was touched yet");

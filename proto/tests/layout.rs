@@ -21,10 +21,10 @@ macro_rules! pin {
 #[test]
 fn headers() {
     pin!(RequestHeader, "untangled.control.RequestHeader", size 64, align 8, {
-        protocol_version @ 0, kind @ 4, session @ 8, num_sections @ 16, flags @ 20, reserved @ 24,
+        protocol_version @ 0, kind @ 4, session @ 8, num_sections @ 16, flags @ 20, token @ 24, reserved @ 40,
     });
     pin!(ReplyHeader, "untangled.control.ReplyHeader", size 64, align 8, {
-        protocol_version @ 0, status @ 4, instance @ 8, session @ 16, reserved @ 24,
+        protocol_version @ 0, status @ 4, instance @ 8, session @ 16, token @ 24, reserved @ 40,
     });
     pin!(StateHeader, "untangled.v1.StateHeader", size 64, align 8, {
         frame @ 0, simulated_s @ 8, dt_s @ 16, num_vertices @ 24, flags @ 28, reserved @ 32,

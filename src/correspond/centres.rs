@@ -74,18 +74,15 @@ impl Centres {
         }
     }
 
-    /// By how much, in metres of the chart, a fit misses the path at worst.
-    pub(crate) fn residual(track: &Track, plate: &ThinPlate) -> f64 {
-        track.points().map(|(_, own, partner)| (plate.evaluate(own) - partner).norm()).fold(0.0, f64::max)
-    }
-
     /// Adds centres half way between those between which the fit misses the path by more than `tolerance`, the worst first, up to
-    /// `most`. False where there is nothing to add.
-    pub(crate) fn refine(&mut self, track: &Track, plate: &ThinPlate, tolerance: f64, most: usize) -> bool {
+    /// `most`. Returns by how much, in metres of the chart, it misses the path at worst, and whether there was anything to add.
+    pub(crate) fn refine(&mut self, track: &Track, plate: &ThinPlate, tolerance: f64, most: usize) -> (f64, bool) {
         self.worst.clear();
         let count = self.stations.len();
+        let mut residual: f64 = 0.0;
         for (at, own, partner) in track.points() {
             let miss = (plate.evaluate(own) - partner).norm();
+            residual = residual.max(miss);
             // A point beyond the last centre of a closed path lies between it and the first.
             let next = self.stations.partition_point(|&station| station <= at);
             if next == 0 || miss <= tolerance {
@@ -100,7 +97,7 @@ impl Centres {
         self.worst.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
         self.stations.extend(self.worst.iter().take(most.saturating_sub(count)).map(|&(_, station, _)| station));
         self.stations.sort_unstable_by(f64::total_cmp);
-        self.stations.len() > count
+        (residual, self.stations.len() > count)
     }
 
     fn drop_duplicates(&mut self, distance: f64) {

@@ -82,7 +82,7 @@ impl Chart {
             && self.relaxation.relax(&self.patch, &self.shapes, &mut self.unfolding);
         self.scale_to_metres(frame)?;
         self.period = if self.is_cut { self.fit_period() } else { None };
-        self.index(mesh);
+        self.index();
         Some(ChartKind { source, relaxed, cut: self.is_cut })
     }
 
@@ -181,7 +181,7 @@ impl Chart {
             .map(|(f, c)| (c, f))
     }
 
-    fn index(&mut self, mesh: &Mesh) {
+    fn index(&mut self) {
         self.has_point.clear();
         self.has_point.resize(self.patch.vertices().len(), false);
         self.locator.start();
@@ -194,7 +194,7 @@ impl Chart {
             }
             // Where the chart goes on by its period, the cut is no outline.
             let goes_on = |side: usize| self.is_cut && self.period.is_some() && self.cut.sides[face][side];
-            let rim = [0, 1, 2].map(|side| self.patch.neighbour(mesh, face, side).is_none() && !goes_on(side));
+            let rim = [0, 1, 2].map(|side| self.unfolding.rims[face][side] && !goes_on(side));
             self.locator.add(face, corners.map(|corner| self.unfolding.points[corner as usize]), rim);
         }
         self.locator.finish();

@@ -205,16 +205,19 @@ fn fit(
         more
     };
     centres.start(track, more(centre_count(track.length(), edge_length_m, settings)));
-    for _ in 0..=REFINEMENTS {
+    let mut round = 0;
+    loop {
         centres.place(track, sides, CENTRE_OFFSET * edge_length_m, mutual);
         if !plate.fit(&centres.from, &centres.to) {
             return None;
         }
-        if !centres.refine(track, plate, CENTRE_TOLERANCE * edge_length_m, more(settings.max_centres)) {
-            break;
+        let (residual_m, has_more) =
+            centres.refine(track, plate, CENTRE_TOLERANCE * edge_length_m, more(settings.max_centres));
+        if !has_more || round == REFINEMENTS {
+            return Some(residual_m);
         }
+        round += 1;
     }
-    Some(Centres::residual(track, plate))
 }
 
 /// One point inside on each face that a region without vertices runs through: the middle of the path's ways through the face.

@@ -1,6 +1,9 @@
 //! Where in a chart a point lies: its face, or the nearest place on the chart's outline.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
+
+use super::grid::{Grid, as_float};
+use crate::mesh::Csr;
 
 /// Triangles of the plane, found through a grid.
 #[derive(Debug, Default)]
@@ -8,12 +11,10 @@ pub(crate) struct Locator {
     triangles: Vec<[Point2<f64>; 3]>,
     faces: Vec<u32>,
     outline: Vec<Rim>,
-    origin: Point2<f64>,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    starts: Vec<u32>,
-    items: Vec<u32>,
+    grid: Grid,
+    /// For each cell the triangles and the parts of the outline whose boxes meet it, ascending.
+    triangles_in: Csr<u32>,
+    outline_in: Csr<u32>,
 }
 
 /// A side of a triangle that no other triangle shares: side `side` of triangle `triangle`.
@@ -52,90 +53,74 @@ impl Locator {
 
     /// Builds the grid over all triangles added: about one cell for each.
     pub(crate) fn finish(&mut self) {
-        let mut low = Point2::new(f64::INFINITY, f64::INFINITY);
-        let mut high = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for point in self.triangles.iter().flatten() {
-            low = low.inf(point);
-            high = high.sup(point);
-        }
-        let extent = if self.triangles.is_empty() { Vector2::zeros() } else { high - low };
-        #[expect(clippy::cast_precision_loss, reason = "a count of faces")]
-        let count = self.triangles.len().max(1) as f64;
-        let side = extent.x.max(extent.y);
-        self.cell = (extent.x * extent.y / count).sqrt().max(side / count).max(f64::MIN_POSITIVE);
-        self.origin = if self.triangles.is_empty() { Point2::origin() } else { low };
-        self.columns = whole(extent.x / self.cell) + 1;
-        self.rows = whole(extent.y / self.cell) + 1;
-        self.starts.clear();
-        self.starts.resize(self.columns * self.rows + 1, 0);
-        for number in 0..self.triangles.len() {
-            self.for_each_cell(number, |starts, cell| starts[cell + 1] += 1);
-        }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
-        }
-        self.items.clear();
-        self.items.resize(self.starts[self.starts.len() - 1] as usize, 0);
-        let mut items = std::mem::take(&mut self.items);
-        // Filled from behind, so that each cell lists its triangles in ascending order once the starts have moved down.
-        for number in (0..self.triangles.len()).rev() {
-            self.for_each_cell(number, |starts, cell| {
-                starts[cell + 1] -= 1;
-                items[starts[cell + 1] as usize] = narrow(number);
-            });
-        }
-        self.items = items;
-    }
-
-    fn for_each_cell(&mut self, number: usize, mut act: impl FnMut(&mut [u32], usize)) {
-        let [a, b, c] = self.triangles[number];
-        let (low, high) = (self.cell_of(a.inf(&b).inf(&c)), self.cell_of(a.sup(&b).sup(&c)));
-        for row in low.1..=high.1 {
-            for column in low.0..=high.0 {
-                act(&mut self.starts, row * self.columns + column);
-            }
-        }
-    }
-
-    fn cell_of(&self, point: Point2<f64>) -> (usize, usize) {
-        let at = (point - self.origin) / self.cell;
-        (whole(at.x).min(self.columns - 1), whole(at.y).min(self.rows - 1))
+        let Self { triangles, outline, .. } = self;
+        let grid = Grid::over(triangles.iter().flatten(), triangles.len());
+        let cells_of = |(number, [a, b, c]): (u32, &[Point2<f64>; 3])| {
+            grid.cells(a.inf(b).inf(c), a.sup(b).sup(c)).map(move |cell| (cell, number))
+        };
+        self.triangles_in.fill(grid.num_cells(), (0u32..).zip(&*triangles).flat_map(cells_of));
+        let cells_of = |(number, rim): (u32, &Rim)| {
+            let [a, b] = rim.ends(triangles);
+            grid.cells(a.inf(&b), a.sup(&b)).map(move |cell| (cell, number))
+        };
+        self.outline_in.fill(grid.num_cells(), (0u32..).zip(&*outline).flat_map(cells_of));
+        self.grid = grid;
     }
 
     /// The face over a point; of several, the one added first.
     pub(crate) fn within(&self, point: Point2<f64>) -> Option<Place> {
-        let cell = self.cell_of(point);
-        let cell = cell.1 * self.columns + cell.0;
-        // After filling, cell k starts where entry k + 1 says.
-        let end = self.starts.get(cell + 2).copied().unwrap_or(narrow(self.items.len()));
-        for &number in &self.items[self.starts[cell + 1] as usize..end as usize] {
-            if let Some(barycentric) = inside(&self.triangles[number as usize], point) {
-                return Some(Place { face: self.faces[number as usize] as usize, barycentric });
-            }
-        }
-        None
+        self.triangles_in.row(self.grid.cell_of(point)).iter().find_map(|&number| {
+            let barycentric = inside(&self.triangles[number as usize], point)?;
+            Some(Place { face: self.faces[number as usize] as usize, barycentric })
+        })
     }
 
-    /// The nearest place on the outline, and the square of its distance. Nothing where there are no faces.
+    /// The nearest place on the outline, and the square of its distance; of several, the one added first. Nothing where there are no
+    /// faces.
+    ///
+    /// Cost: that of the cells no farther than the outline is.
     pub(crate) fn nearest_on_outline(&self, point: Point2<f64>) -> Option<(f64, Place)> {
-        let mut nearest: Option<(f64, Place)> = None;
-        for rim in &self.outline {
-            let triangle = &self.triangles[rim.triangle as usize];
-            let (a, b) = (usize::from(rim.side), (usize::from(rim.side) + 1) % 3);
-            let edge = triangle[b] - triangle[a];
-            let squared = edge.norm_squared();
-            let parameter =
-                if squared > 0.0 { ((point - triangle[a]).dot(&edge) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            let distance = (triangle[a] + edge * parameter - point).norm_squared();
-            if nearest.as_ref().is_none_or(|&(least, _)| distance < least) {
-                let mut barycentric = [0.0; 3];
-                barycentric[a] = 1.0 - parameter;
-                barycentric[b] = parameter;
-                let face = self.faces[rim.triangle as usize] as usize;
-                nearest = Some((distance, Place { face, barycentric }));
+        if self.outline.is_empty() || !(point.x.is_finite() && point.y.is_finite()) {
+            return None;
+        }
+        // All of the outline lies in the grid's box, so that it is at least as far as the box, and from there as the cells between.
+        let to_box = self.grid.beyond(point).norm_squared();
+        let mut nearest: Option<(f64, u32, f64)> = None;
+        for ring in 0..self.grid.num_rings() {
+            let between = self.grid.cell * as_float(ring.saturating_sub(1));
+            if nearest.is_some_and(|(least, ..)| least < to_box + between * between) {
+                break;
+            }
+            for &number in self.grid.ring(self.grid.place(point), ring).flat_map(|cell| self.outline_in.row(cell)) {
+                let (distance, parameter) = self.outline[number as usize].nearest(&self.triangles, point);
+                if nearest.is_none_or(|(least, first, _)| (distance, number) < (least, first)) {
+                    nearest = Some((distance, number, parameter));
+                }
             }
         }
-        nearest
+        nearest.map(|(distance, number, parameter)| {
+            let Rim { triangle, side } = self.outline[number as usize];
+            let mut barycentric = [0.0; 3];
+            barycentric[usize::from(side)] = 1.0 - parameter;
+            barycentric[(usize::from(side) + 1) % 3] = parameter;
+            (distance, Place { face: self.faces[triangle as usize] as usize, barycentric })
+        })
+    }
+}
+
+impl Rim {
+    fn ends(self, triangles: &[[Point2<f64>; 3]]) -> [Point2<f64>; 2] {
+        let triangle = &triangles[self.triangle as usize];
+        [triangle[usize::from(self.side)], triangle[(usize::from(self.side) + 1) % 3]]
+    }
+
+    /// The square of the distance of a point, and how far along the nearest place lies.
+    fn nearest(self, triangles: &[[Point2<f64>; 3]], point: Point2<f64>) -> (f64, f64) {
+        let [a, b] = self.ends(triangles);
+        let edge = b - a;
+        let squared = edge.norm_squared();
+        let parameter = if squared > 0.0 { ((point - a).dot(&edge) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        ((a + edge * parameter - point).norm_squared(), parameter)
     }
 }
 
@@ -155,11 +140,6 @@ fn inside([a, b, c]: &[Point2<f64>; 3], point: Point2<f64>) -> Option<[f64; 3]> 
 
 fn narrow(index: usize) -> u32 {
     u32::try_from(index).expect("a chart has no more elements than its mesh, whose indices fit 31 bits")
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, which is what is wanted")]
-fn whole(value: f64) -> usize {
-    value.max(0.0) as usize
 }
 
 #[cfg(test)]
@@ -198,6 +178,20 @@ mod tests {
                 assert!(place.is_some() || i == 100 || j == 80 || i == 0 || j == 0);
                 let place = place.or_else(|| Some(locator.nearest_on_outline(point)?.1)).unwrap();
                 assert!((at(&triangles, &place) - point).norm() < 1e-12, "{point} {place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_place_is_that_of_a_search_through_all_of_the_outline() {
+        let (locator, triangles) = locator();
+        for i in -40i32..140 {
+            for j in -30i32..110 {
+                let point = Point2::new(f64::from(i) * 0.00513, f64::from(j) * 0.00497);
+                let (squared, place) = locator.nearest_on_outline(point).unwrap();
+                let all = locator.outline.iter().map(|rim| rim.nearest(&triangles, point).0);
+                assert!(squared <= all.fold(f64::INFINITY, f64::min));
+                assert!((squared - (at(&triangles, &place) - point).norm_squared()).abs() < 1e-12);
             }
         }
     }

@@ -10,7 +10,9 @@ mod chart;
 mod cholesky;
 mod cut;
 mod find;
+mod grid;
 mod image;
+mod kernel;
 mod lift;
 mod locate;
 mod material;
@@ -18,7 +20,10 @@ mod memory;
 mod motion;
 mod patch;
 mod rbf;
+#[cfg(test)]
+mod rbf_tests;
 mod relax;
+mod saddle;
 #[cfg(test)]
 mod samples;
 mod shapes;

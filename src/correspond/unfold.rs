@@ -24,6 +24,8 @@ pub(crate) struct Unfolding {
     pub(crate) misfit: f64,
     /// For each face, across which of its sides it was placed or placed another.
     pub(crate) tree: Vec<[bool; 3]>,
+    /// For each face that was reached, which of its sides have no other face of the patch beyond them.
+    pub(crate) rims: Vec<[bool; 3]>,
     placed: Vec<bool>,
     path_queue: VecDeque<usize>,
     queue: VecDeque<usize>,
@@ -50,6 +52,8 @@ impl Unfolding {
         self.placed.resize(patch.vertices().len(), false);
         self.tree.clear();
         self.tree.resize(num_faces, [false; 3]);
+        self.rims.clear();
+        self.rims.resize(num_faces, [false; 3]);
         self.facing.clear();
         self.facing.resize(num_faces, Facing::Unreached);
         self.scales.clear();
@@ -69,7 +73,10 @@ impl Unfolding {
         let mut orientable = true;
         while let Some(face) = self.path_queue.pop_front().or_else(|| self.queue.pop_front()) {
             for side in 0..3 {
-                let Some((next, there)) = patch.neighbour(mesh, face, side) else { continue };
+                let Some((next, there)) = patch.neighbour(mesh, face, side) else {
+                    self.rims[face][side] = true;
+                    continue;
+                };
                 let facing = turned(self.facing[face], same_direction(patch, face, side, next), shapes, face, next);
                 match self.facing[next] {
                     Facing::Unreached => {

@@ -7,7 +7,7 @@ mod boxes;
 mod broad;
 mod coherence;
 mod intersector;
-mod lanes;
+pub(crate) mod lanes;
 mod locate;
 mod narrow;
 mod neighbours;

@@ -10,20 +10,30 @@ pub(crate) struct Csr<T> {
 impl<T: Copy + Default> Csr<T> {
     /// Collects `(row, item)` pairs; within a row the order of the pairs is kept.
     pub(crate) fn from_pairs(num_rows: usize, pairs: impl Iterator<Item = (usize, T)> + Clone) -> Self {
-        let mut offsets = vec![0u32; num_rows + 1];
+        let mut csr = Self::default();
+        csr.fill(num_rows, pairs);
+        csr
+    }
+
+    /// The same, in the memory that is there.
+    pub(crate) fn fill(&mut self, num_rows: usize, pairs: impl Iterator<Item = (usize, T)> + Clone) {
+        // While items are filled in, entry k + 1 says where the next one of row k goes; then that is where row k ends.
+        self.offsets.clear();
+        self.offsets.resize(num_rows + 2, 0);
         for (row, _) in pairs.clone() {
-            offsets[row + 1] += 1;
+            self.offsets[row + 2] += 1;
         }
         for row in 0..num_rows {
-            offsets[row + 1] += offsets[row];
+            self.offsets[row + 2] += self.offsets[row + 1];
         }
-        let mut cursor = offsets.clone();
-        let mut items = vec![T::default(); offsets[num_rows] as usize];
+        self.items.clear();
+        self.items.resize(self.offsets[num_rows + 1] as usize, T::default());
         for (row, item) in pairs {
-            items[cursor[row] as usize] = item;
-            cursor[row] += 1;
+            let slot = &mut self.offsets[row + 1];
+            self.items[*slot as usize] = item;
+            *slot += 1;
         }
-        Self { offsets, items }
+        self.offsets.truncate(num_rows + 1);
     }
 
     /// The list of one row.

@@ -17,7 +17,7 @@ pub use error::MeshError;
 pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 
 use chart::Chart;
-use csr::Csr;
+pub(crate) use csr::Csr;
 pub(crate) use topology::Topology;
 
 /// Validated connectivity of one or several pieces of cloth, and what belongs to it for good: texture coordinates, rest

@@ -39,7 +39,8 @@ impl CoupledStep {
     /// displacement in metres. Pinned vertices don't move. Nothing where nothing intersects.
     ///
     /// The least change of the present shape, as rigid as possible, that takes every point inside to the other side of the sheet it
-    /// penetrated, and the paths without an inside to a shorter length. Momentum is not kept. Cost: see `fix`; it allocates.
+    /// penetrated, and the paths without an inside to a shorter length. Paths that time did not suffice for want nothing. Momentum is not
+    /// kept. Cost: see `fix`; it allocates, and once begun it is not cut short.
     pub fn step(
         &mut self,
         mesh: &Mesh,
@@ -51,6 +52,9 @@ impl CoupledStep {
         let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments) else { return };
         let orientation = &*self.orientation.get_or_insert_with(|| Orientation::of(mesh));
         self.goals.collect(&Scene { mesh, frame, analysis, found, orientation }, Aim::Normal);
+        if self.goals.len() == 0 {
+            return;
+        }
         self.domain.grow(mesh, self.goals.vertices(), RINGS);
         let shape = Shape::of(mesh, frame);
         let body = Body { mesh, frame, shape: &shape, domain: &self.domain, memory: 0.0 };

@@ -28,6 +28,8 @@ pub(super) struct Goals {
     copies: Vec<usize>,
     /// For each goal whether it is a distance between two points.
     is_pair: Vec<bool>,
+    /// For each copy of a path whether time did not suffice for it.
+    is_left_out: Vec<bool>,
 }
 
 /// How goals are found for the paths that have targets.
@@ -79,11 +81,19 @@ impl Goals {
         self.is_pair.clear();
     }
 
-    /// Collects the goals of all paths.
+    /// Collects the goals of all paths, but for those that were left out when their targets were looked for.
     pub(super) fn collect(&mut self, scene: &Scene<'_>, aim: Aim) {
         self.clear();
         let copies = &scene.analysis.paths.copies;
+        self.is_left_out.clear();
+        self.is_left_out.resize(copies.len(), false);
+        for &copy in &scene.analysis.regions.order[scene.found.num_done..] {
+            self.is_left_out[copy] = true;
+        }
         for (copy, path) in copies.iter().enumerate() {
+            if self.is_left_out[copy] {
+                continue;
+            }
             let has = |copy: usize| scene.found.paths.binary_search_by_key(&copy, |path| path.copy);
             match (aim, has(copy)) {
                 (Aim::Normal, Ok(index)) => self.part(scene, &scene.found.paths[index], false),

@@ -11,6 +11,8 @@ use crate::{
 const SMALLEST_AREA: f64 = 0.06;
 /// No edge may get longer than this many times its length in the input, or shorter than the inverse.
 const LARGEST_STRETCH: f64 = 1.9;
+/// The same where there is no other way.
+const LAST_STRETCH: f64 = 3.0;
 
 /// Areas and lengths of the input.
 #[derive(Debug)]
@@ -30,6 +32,13 @@ impl Guard {
     pub(super) fn refuses(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], vertex: VertexId) -> bool {
         mesh.vertex_faces(vertex).iter().any(|&face| self.refuses_face(mesh, before, after, face))
             || mesh.vertex_edges(vertex).iter().any(|&edge| self.refuses_edge(mesh, before, after, edge))
+    }
+
+    /// Whether a face or an edge of a vertex is too small or too long against the input even for a last resort.
+    pub(super) fn is_beyond(&self, mesh: &Mesh, positions: &[Point3<f64>], vertex: VertexId) -> bool {
+        let crushed = |&face: &FaceId| area(mesh, positions, face) < SMALLEST_AREA * self.areas[face.index()];
+        let strained = |&edge: &EdgeId| self.stretch(mesh, positions, edge).ln().abs() > LAST_STRETCH.ln();
+        mesh.vertex_faces(vertex).iter().any(crushed) || mesh.vertex_edges(vertex).iter().any(strained)
     }
 
     /// Length of an edge over that in the input; 1 where it had none.

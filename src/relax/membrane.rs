@@ -2,8 +2,8 @@
 //!
 //! Energy of positions `x`: `sum_f sum_k w_fk |e_fk - R_f q_fk|^2 + b sum_i (h^2 / A_i) |(L x)_i|^2`, where `q` are the edges of a triangle in
 //! the input, laid into a plane, `R_f` the 3 x 2 matrix with orthonormal columns that fits them best to the present edges `e`, `w` cotangents
-//! (Pinkall and Polthier 1993), `L` the Laplacian of the same weights, `A_i` the area round a vertex and `h^2` its mean. `b` is dimensionless:
-//! its root is the length, in edges, below which bends are drawn flat. Local and global steps in turn, as for shapes that are as rigid as
+//! (Pinkall and Polthier 1993), larger for small triangles, `L` the Laplacian of the cotangents alone, `A_i` the area round a vertex and `h^2` its
+//! mean. `b` is dimensionless: its root is the length, in edges, below which bends are drawn flat. Local and global steps in turn, as for shapes that are as rigid as
 //! possible (Sorkine and Alexa 2007); unlike there, a bend by itself costs nothing but `b`.
 
 use faer::{
@@ -19,8 +19,15 @@ use crate::mesh::{Mesh, VertexId};
 
 /// Cotangents are limited to this and its inverse.
 const SMALLEST_WEIGHT: f64 = 0.2;
+/// Triangles whose sides change their length by more than this factor are made stiffer, each time by the other.
+const TOLERATED: f64 = 1.5;
+const STIFFENING: f64 = 2.0;
+/// Small triangles are as much stiffer as they are smaller than the mean, up to this factor.
+const LARGEST_EMPHASIS: f64 = 1000.0;
 /// No vertex has less than this part of the mean area.
 const SMALLEST_AREA: f64 = 0.2;
+/// Passes end when vertices move, in the mean square, by no more than this part of the distance between them.
+const SETTLED: f64 = 0.003;
 /// Holds what the energy leaves free, such as a motion of the whole.
 const ANCHOR: f64 = 1e-4;
 
@@ -30,16 +37,19 @@ struct Element {
     corners: [VertexId; 3],
     sides: [Vector2<f64>; 3],
     weights: [f64; 3],
+    /// By what the weights are larger than the cotangents.
+    emphasis: f64,
 }
 
 /// The triangles over a domain.
 #[derive(Debug)]
 pub(super) struct Membrane<'a> {
-    mesh: &'a Mesh,
     domain: &'a Domain,
     elements: Vec<Element>,
     /// For each vertex with a part in the bending: its neighbours with the entries of the Laplacian's row, scaled by the root of `h^2 / A`.
     rows: Vec<Vec<(VertexId, f64)>>,
+    /// Root of the mean area round a vertex, in metres.
+    spacing_m: f64,
 }
 
 /// The factorised system for one bending stiffness.
@@ -61,7 +71,7 @@ impl<'a> Membrane<'a> {
                 continue;
             }
             let element = Element::of(corners, corners.map(|vertex| shape[vertex.index()]));
-            let area = 0.5 * element.sides[0].perp(&element.sides[1]).abs();
+            let area = element.area();
             for (corner, vertex) in corners.into_iter().enumerate() {
                 areas[vertex.index()] += area / 3.0;
                 let (a, b) = (corners[(corner + 1) % 3], corners[(corner + 2) % 3]);
@@ -70,6 +80,13 @@ impl<'a> Membrane<'a> {
                 }
             }
             elements.push(element);
+        }
+        // A part of a small triangle counts as much as the same part of a large one.
+        #[expect(clippy::cast_precision_loss, reason = "a count of triangles")]
+        let mean = elements.iter().map(Element::area).sum::<f64>() / elements.len().max(1) as f64;
+        for element in &mut elements {
+            let emphasis = (mean / element.area()).clamp(1.0, LARGEST_EMPHASIS);
+            element.emphasise(if emphasis.is_nan() { 1.0 } else { emphasis });
         }
         rows.retain(|row| !row.is_empty());
         #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
@@ -87,7 +104,7 @@ impl<'a> Membrane<'a> {
                 *entry *= if scale.is_finite() { scale } else { 1.0 };
             }
         }
-        Self { mesh, domain, elements, rows }
+        Self { domain, elements, rows, spacing_m: mean.sqrt() }
     }
 
     /// Factorises; nothing where the numbers don't allow it. `at` says where vertices are that don't move.
@@ -122,11 +139,11 @@ impl<'a> Membrane<'a> {
         Some(Factors { factors: self.domain.factorise(&matrix)?, fixed })
     }
 
-    /// Makes some local and global steps. Cost: for each of them one solution and a fit for each triangle.
-    pub(super) fn relax(&self, factors: &Factors, passes: usize, positions: &mut [Point3<f64>]) {
+    /// Makes local and global steps until they change little, or so many. Cost: for each of them one solution and a fit for each triangle.
+    pub(super) fn relax(&self, factors: &Factors, most_passes: usize, positions: &mut [Point3<f64>]) {
         let vertices = self.domain.vertices();
         let mut right = vec![0.0; 3 * vertices.len()];
-        for _ in 0..passes {
+        for _ in 0..most_passes {
             let pulls: Vec<[Vector3<f64>; 3]> =
                 self.elements.par_iter().map(|element| element.pulls(positions)).collect();
             for (slot, (&vertex, fixed)) in vertices.iter().zip(&factors.fixed).enumerate() {
@@ -145,26 +162,37 @@ impl<'a> Membrane<'a> {
                 }
             }
             factors.factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut right, vertices.len(), 3));
+            let mut change: f64 = 0.0;
             for (slot, &vertex) in vertices.iter().enumerate() {
-                let place = [0, 1, 2].map(|axis| right[axis * vertices.len() + slot]);
+                let place: Point3<f64> = [0, 1, 2].map(|axis| right[axis * vertices.len() + slot]).into();
                 if place.iter().all(|value| value.is_finite()) {
-                    positions[vertex.index()] = place.into();
+                    change += (place - positions[vertex.index()]).norm_squared();
+                    positions[vertex.index()] = place;
                 }
+            }
+            #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
+            if change <= vertices.len() as f64 * (SETTLED * self.spacing_m).powi(2) {
+                break;
             }
         }
     }
 
-    /// Mean square of the logarithms of all edges' lengths over those in the input.
-    pub(super) fn strain(&self, shape: &[Point3<f64>], positions: &[Point3<f64>]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for edge in self.mesh.edge_ids() {
-            let [a, b] = self.mesh.edge(edge);
-            let length = |at: &[Point3<f64>]| (at[b.index()] - at[a.index()]).norm();
-            let strain = (length(positions) / length(shape)).ln();
-            if strain.is_finite() && (self.domain.local(a).is_some() || self.domain.local(b).is_some()) {
-                sum += strain * strain;
-                count += 1.0;
+    /// Makes triangles stiffer that are strained.
+    pub(super) fn stiffen(&mut self, positions: &[Point3<f64>]) {
+        for element in &mut self.elements {
+            let strained = element.strains(positions).any(|strain| strain.abs() > TOLERATED.ln());
+            if strained && element.emphasis < LARGEST_EMPHASIS {
+                element.emphasise(STIFFENING);
             }
+        }
+    }
+
+    /// Mean square of the logarithms of all triangles' sides over those in the input.
+    pub(super) fn strain(&self, positions: &[Point3<f64>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for strain in self.elements.iter().flat_map(|element| element.strains(positions)) {
+            sum += strain * strain;
+            count += 1.0;
         }
         if count > 0.0 { sum / count } else { 0.0 }
     }
@@ -182,7 +210,27 @@ impl Element {
             let cotangent = a.dot(&b) / a.perp(&b).abs();
             if cotangent.is_nan() { 1.0 } else { cotangent.clamp(SMALLEST_WEIGHT, 1.0 / SMALLEST_WEIGHT) }
         });
-        Self { corners, sides: [0, 1, 2].map(|k| flat[(k + 2) % 3] - flat[(k + 1) % 3]), weights }
+        Self { corners, sides: [0, 1, 2].map(|k| flat[(k + 2) % 3] - flat[(k + 1) % 3]), weights, emphasis: 1.0 }
+    }
+
+    fn emphasise(&mut self, factor: f64) {
+        self.emphasis *= factor;
+        for weight in &mut self.weights {
+            *weight *= factor;
+        }
+    }
+
+    /// The logarithms of its sides' lengths over those in the input; without those that have none.
+    fn strains<'a>(&'a self, positions: &'a [Point3<f64>]) -> impl Iterator<Item = f64> + 'a {
+        let strains = self.sides.iter().enumerate().map(|(k, side)| {
+            let [a, b] = [1, 2].map(|step| positions[self.corners[(k + step) % 3].index()]);
+            ((b - a).norm() / side.norm()).ln()
+        });
+        strains.filter(|strain| strain.is_finite())
+    }
+
+    fn area(&self) -> f64 {
+        0.5 * self.sides[0].perp(&self.sides[1]).abs()
     }
 
     /// What each corner adds to the right-hand side: the sides as the triangle would have them where it is.

@@ -15,14 +15,20 @@ pub(super) enum Plan {
     Straighten,
 }
 
-/// Where one plan ends stuck, the next begins again from the input.
-pub(super) const PLANS: [Plan; 5] = [
-    Plan::Motions { aim: Aim::Normal, inside: InsideChoice::Work },
-    Plan::Motions { aim: Aim::Target, inside: InsideChoice::Work },
-    Plan::Straighten,
-    Plan::Motions { aim: Aim::Normal, inside: InsideChoice::Count },
-    Plan::Motions { aim: Aim::Target, inside: InsideChoice::Count },
-];
+/// Tangles with more edge-face intersections than this begin with what is last for others: a motion that has to reach so many goals takes
+/// minutes, and those goals contradict each other anyway.
+const HOPELESS: usize = 2500;
+
+/// The ways to go: where one ends stuck, the next begins again from the input. `largest` is the number of edge-face intersections of the
+/// cluster of paths that has most.
+pub(super) fn plans(largest: usize) -> [Plan; 5] {
+    let motions = |aim, inside| Plan::Motions { aim, inside };
+    let (normal, target) = (motions(Aim::Normal, InsideChoice::Work), motions(Aim::Target, InsideChoice::Work));
+    let first =
+        if largest > HOPELESS { [Plan::Straighten, normal, target] } else { [normal, target, Plan::Straighten] };
+    let [a, b, c] = first;
+    [a, b, c, motions(Aim::Normal, InsideChoice::Count), motions(Aim::Target, InsideChoice::Count)]
+}
 
 /// The motions that are tried; `widen` adds those of the other aims.
 pub(super) fn tries(first: Aim, quality: Quality, widen: bool) -> Vec<Try> {

@@ -13,7 +13,7 @@ use super::{
     goals::{Aim, Goals, Scene},
     guard::Guard,
     orient::Orientation,
-    plan::{PLANS, Plan, tries},
+    plan::{Plan, plans, tries},
     shape::{Body, Shape},
 };
 use crate::{
@@ -110,7 +110,10 @@ impl<'a> Relaxer<'a> {
         self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
         let mut interrupted = false;
         let mut reason = "";
-        for (index, plan) in PLANS.into_iter().enumerate() {
+        self.clusters.find(self.mesh, self.analyser.last(), 0);
+        measure(self.mesh, &self.frame, &self.analyser.last().intersections, &self.clusters, &mut self.now);
+        let largest = self.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
+        for (index, plan) in plans(largest).into_iter().enumerate() {
             if index > 0 {
                 self.parted.clear();
                 self.set_frame(&input)?;

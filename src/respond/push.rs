@@ -37,6 +37,7 @@ pub(crate) struct BoundaryPush {
     patch: Patch,
     distances: Vec<f64>,
     done: Vec<bool>,
+    is_wanted: Vec<bool>,
     heap: BinaryHeap<Candidate>,
 }
 
@@ -77,7 +78,8 @@ impl BoundaryPush {
     /// taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in metres; nothing, and zeros,
     /// where no boundary is near or the directions cancel.
     ///
-    /// Cost: O(n log n) in the faces within a path length of the path.
+    /// Cost: linear in the faces within one and a half path lengths of the path, and O(n log n) in those of them that are no farther from
+    /// a boundary than the path.
     pub(crate) fn steps(&mut self, path: &PushedPath<'_>, over: Over, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
         let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
         steps.clear();
@@ -96,7 +98,7 @@ impl BoundaryPush {
         let rings = ((1.5 * length / edge_length_m).ceil() as usize).saturating_add(3);
         self.patch.start(mesh, segments.iter().map(face_of));
         self.patch.grow(mesh, rings, usize::MAX);
-        if !self.march(mesh, frame) {
+        if !self.march(mesh, frame, segments.iter().map(face_of)) {
             return None;
         }
         let (mut mean, mut magnitude, mut depth) = (Vector2::zeros(), 0.0, 0.0);
@@ -141,9 +143,20 @@ impl BoundaryPush {
         (distance.is_finite() && downhill.iter().all(|value| value.is_finite())).then_some((distance, downhill))
     }
 
-    /// Fast marching from the boundary over the patch (Kimmel and Sethian 1998). False where the patch has no boundary.
-    fn march(&mut self, mesh: &Mesh, frame: &Frame) -> bool {
+    /// Fast marching from the boundary over the patch (Kimmel and Sethian 1998), until the distances of the corners of `faces` are known.
+    /// False where the patch has no boundary.
+    fn march(&mut self, mesh: &Mesh, frame: &Frame, faces: impl Iterator<Item = FaceId>) -> bool {
         let count = self.patch.vertices().len();
+        self.is_wanted.clear();
+        self.is_wanted.resize(count, false);
+        let mut num_wanted = 0usize;
+        for vertex in faces.flat_map(|face| mesh.face(face)) {
+            if let Some(vertex) = self.patch.local_vertex(vertex)
+                && !std::mem::replace(&mut self.is_wanted[vertex], true)
+            {
+                num_wanted += 1;
+            }
+        }
         self.distances.clear();
         self.distances.resize(count, f64::INFINITY);
         self.done.clear();
@@ -159,6 +172,10 @@ impl BoundaryPush {
         while let Some(Candidate { vertex, .. }) = self.heap.pop() {
             if std::mem::replace(&mut self.done[vertex], true) {
                 continue;
+            }
+            num_wanted -= usize::from(self.is_wanted[vertex]);
+            if num_wanted == 0 {
+                break;
             }
             for &face in mesh.vertex_faces(self.patch.vertices()[vertex]) {
                 let Some(local) = self.patch.local_face(face) else { continue };
@@ -243,15 +260,22 @@ mod tests {
         let frame = Frame::new(&mesh, &positions).unwrap();
         let mut push = BoundaryPush::default();
         push.patch.start(&mesh, mesh.face_ids());
-        assert!(push.march(&mesh, &frame));
+        assert!(push.march(&mesh, &frame, mesh.face_ids()));
         for (vertex, [x, y, _]) in (0u32..).zip(positions) {
             let expected = x.min(1.0 - x).min(y).min(1.2 - y);
             let found = push.distances[push.patch.local_vertex(VertexId(vertex)).unwrap()];
             // Where two fronts meet, the last edge is cut short; nowhere is the way longer than it is.
             assert!(found < expected + 1e-9 && found > expected - 0.05, "vertex {vertex}: {found} {expected}");
         }
-        // Left of the middle it shrinks to the left.
+        // Stopping where the corners of a face are known changes nothing there.
+        let all = push.distances.clone();
         let face = FaceId(2 * (5 * 10 + 2));
+        assert!(push.march(&mesh, &frame, [face].into_iter()));
+        for vertex in mesh.face(face).map(|vertex| push.patch.local_vertex(vertex).unwrap()) {
+            assert!(push.done[vertex] && push.distances[vertex].to_bits() == all[vertex].to_bits());
+        }
+        assert!(push.done.iter().any(|done| !done));
+        // Left of the middle it shrinks to the left.
         let at = MaterialPoint { vertices: mesh.face(face), weights: [0.4, 0.3, 0.3] };
         let (distance, downhill) = push.slope(&mesh, &frame, face, &at).unwrap();
         assert!((distance - at.position(&frame).x).abs() < 0.03);

@@ -269,7 +269,7 @@ fn push(
     true
 }
 
-/// Contour minimisation for a path and its partner.
+/// Contour minimisation for a path and its partner; nothing where the largest step has no limit.
 fn shorten(scene: &Scene<'_>, copy: usize, forces: &mut Forces) {
     let Scene { mesh, frame, analysis, settings } = *scene;
     let path = &analysis.paths.copies[copy];
@@ -277,6 +277,10 @@ fn shorten(scene: &Scene<'_>, copy: usize, forces: &mut Forces) {
     let segments = &analysis.paths.segments[path.segments.clone()];
     let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
     let law = law(settings, edge_length_m);
+    if law.largest_m.is_infinite() {
+        // The gradient has no other size, and infinite ones would spoil what else acts on these vertices.
+        return;
+    }
     // A path that is its own partner runs twice over every point of the world.
     let share = if path.partner == copy { 0.5 } else { 1.0 };
     // One mass for all: only as a whole does the gradient keep momenta.

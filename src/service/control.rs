@@ -166,7 +166,7 @@ impl Replier {
                 tracing::info!(kind, ?status, reason = %refusal, num_suppressed, "request refused");
             }
         }
-        if let Err(error) = self.send(request, answer) {
+        if let Err(error) = self.send(request, header.token, answer) {
             // Most likely its client is gone, and a session that it registered goes with the next housekeeping.
             static LOST: Throttle = Throttle::new();
             if let Some(num_suppressed) = LOST.admit() {
@@ -175,7 +175,7 @@ impl Replier {
         }
     }
 
-    fn send(&self, request: &Request, answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
+    fn send(&self, request: &Request, token: [u64; 2], answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
         let (status, session, text) = match answer {
             Ok(answer) => (Status::Ok, answer.session, answer.text),
             Err(refusal) => (refusal.status, 0, refusal.message),
@@ -188,6 +188,7 @@ impl Replier {
             status: status.code(),
             instance: self.registry.instance(),
             session,
+            token,
             ..ReplyHeader::default()
         };
         let reply = reply.write_from_slice(text.as_bytes());

@@ -1,12 +1,13 @@
-//! What a peer's bytes go through before anything is done with them, for fuzzers. Not for use: it may change at any time.
+//! What a peer's bytes go through before anything is done with them, and corrections before they are sent, for fuzzers and for tests of
+//! limits. Not for use: it may change at any time.
 
 use std::sync::Arc;
 
-use untangled_proto::{PositionF32, PositionF64, StateHeader, sections::Sections};
+use untangled_proto::{CorrectionKind, PositionF32, PositionF64, StateHeader, VertexCorrection, sections::Sections};
 
-use crate::{frame::Frame, mesh::Mesh, settings::Settings};
+use crate::{frame::Frame, mesh::Mesh, respond::Corrections, settings::Settings};
 
-use super::{ServeOptions, ingest, register};
+use super::{ServeOptions, ingest, publish, register};
 
 /// A registration as the daemon reads it; refused in words.
 ///
@@ -49,4 +50,16 @@ pub fn state(header: &StateHeader, positions: Positions<'_>, mesh: &Mesh, frame:
         Positions::F64(positions) => ingest::read_f64(frame, mesh, positions),
     };
     read.and_then(|()| ingest::check_header(header, mesh.num_vertices())).is_ok()
+}
+
+/// The correction of one vertex as the daemon sends it, for a frame whose step is `dt_s`.
+#[must_use]
+pub fn correction(
+    mesh: &Mesh,
+    corrections: &Corrections,
+    kind: CorrectionKind,
+    dt_s: f64,
+    vertex: usize,
+) -> VertexCorrection {
+    publish::vertex(mesh, corrections, kind, dt_s, vertex)
 }

@@ -10,6 +10,8 @@ use std::{
 
 use untangled_proto::{Domain, memory};
 
+use super::{error::ServeError, leftovers::Leftovers, quiet::Quiet};
+
 /// How often it looks.
 const INTERVAL: Duration = Duration::from_secs(1);
 
@@ -22,14 +24,25 @@ pub(super) struct Janitor {
 
 impl Janitor {
     /// Looks once, then starts the thread.
-    pub(super) fn start(domain: Domain) -> std::io::Result<Self> {
-        sweep(&domain);
+    pub(super) fn start(domain: Domain) -> Result<Self, ServeError> {
+        let config = domain.config()?;
+        remove_unfinished(&domain);
         let (stop, stopped) = channel();
         let thread = std::thread::Builder::new().name("janitor".into()).spawn(move || {
+            let (mut leftovers, mut quiet) = (Leftovers::default(), Quiet::new(&domain));
             while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                sweep(&domain);
+                if quiet.is_quiet() && leftovers.is_empty() {
+                    continue;
+                }
+                remove_unfinished(&domain);
+                match leftovers.sweep(&domain, &config) {
+                    Ok(0) => {}
+                    Ok(removed) => tracing::info!(removed, "files that killed peers left"),
+                    Err(error) => tracing::warn!(%error, "looking for what killed peers left"),
+                }
             }
-        })?;
+        });
+        let thread = thread.map_err(|source| ServeError::System { what: "starting the janitor", source })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }
@@ -44,7 +57,7 @@ impl Drop for Janitor {
     }
 }
 
-fn sweep(domain: &Domain) {
+fn remove_unfinished(domain: &Domain) {
     match memory::remove_unfinished(domain, memory::UNFINISHED_AGE) {
         Ok(0) => {}
         Ok(removed) => tracing::info!(removed, "segments that killed peers left unfinished"),

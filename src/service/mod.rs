@@ -1,7 +1,7 @@
 //! The daemon: sessions, ingest, publish, housekeeping. The only user of iceoryx2 in this package.
 //!
 //! ```text
-//! event ──> WaitSet ──> control ───────> pool: register ──> session (mesh, settings, ports)
+//! event ──> listener ─> control ───────> pool: register ──> session (mesh, settings, ports)
 //!                   └─> sessions ──────> pool: ingest ──> Untangler ──> publish ──> event to the host
 //! tick  ──> housekeeping: dead nodes, sessions without a host
 //! ```
@@ -11,16 +11,19 @@
 
 mod clock;
 mod control;
+mod descriptors;
 mod error;
 #[doc(hidden)]
 pub mod fuzz;
 mod ingest;
 mod janitor;
+mod leftovers;
 mod metrics;
 mod paths;
 mod pool;
 mod ports;
 mod publish;
+mod quiet;
 mod register;
 mod registry;
 mod session;
@@ -33,16 +36,13 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use iceoryx2::{
-    port::listener::Listener,
-    prelude::{
-        CallbackProgression, Node, NodeBuilder, SignalHandlingMode, WaitSetAttachmentId, WaitSetBuilder,
-        set_log_level_from_env_or,
-    },
-    waitset::WaitSetRunResult,
+    node::NodeWaitFailure,
+    port::listener::{Listener, ListenerWaitError},
+    prelude::{Node, NodeBuilder, SignalHandlingMode, set_log_level_from_env_or},
 };
 use untangled_proto::{
     Domain, limits,
@@ -58,11 +58,18 @@ pub use error::ServeError;
 use janitor::Janitor;
 use metrics::MetricsServer;
 use pool::{Job, Pool};
+use quiet::Quiet;
 use registry::Registry;
 use session::Session;
+use throttle::Throttle;
 
 /// How often dead peers are looked for.
 const HOUSEKEEPING: Duration = Duration::from_millis(500);
+/// How long after an event the daemon looks by itself, and by how much the next looks are further apart: a notifier of iceoryx2 0.10 that
+/// is interrupted while the daemon drains its events leaves the listener marked as notified with nothing to wake it; no later
+/// notification wakes it either until it is drained again.
+const FIRST_LOOK: Duration = Duration::from_millis(1);
+const LOOK_GROWTH: u32 = 4;
 
 /// What a daemon serves, and how much of it.
 #[derive(Clone, Debug)]
@@ -131,6 +138,7 @@ impl Shutdown {
 pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
     // What iceoryx2 reports is handled here and logged once; whoever wants its own words sets IOX2_LOG_LEVEL.
     set_log_level_from_env_or(iceoryx2::prelude::LogLevel::Fatal);
+    let options = &ServeOptions { max_sessions: descriptors::make_room(options.max_sessions), ..options.clone() };
     let mut lock = lock(&options.domain)?;
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
@@ -194,8 +202,7 @@ struct Daemon {
 
 impl Daemon {
     fn start(options: &ServeOptions) -> Result<Self, ServeError> {
-        let janitor = Janitor::start(options.domain.clone())
-            .map_err(|source| ServeError::System { what: "starting the janitor", source })?;
+        let janitor = Janitor::start(options.domain.clone())?;
         let node = NodeBuilder::new()
             .config(&options.domain.config()?)
             .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
@@ -221,22 +228,37 @@ impl Daemon {
     }
 
     fn serve(self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
-        let failed = |error: &dyn std::fmt::Debug| ServeError::Transport {
-            what: "waiting for events",
-            reason: format!("{error:?}"),
-        };
-        let waitset = WaitSetBuilder::new()
-            .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
-            .create::<Ipc>()
-            .map_err(|error| failed(&error))?;
-        let _wake = waitset.attach_notification(&self.listener).map_err(|error| failed(&error))?;
-        let tick = waitset.attach_interval(HOUSEKEEPING).map_err(|error| failed(&error))?;
-        let mut on_event = |event: WaitSetAttachmentId<Ipc>| {
-            if event.has_event_from(&tick) {
-                // What it counts is not news: some dead nodes can never be removed.
-                let _ = self.node.try_cleanup_dead_nodes();
-            } else if let Err(error) = self.listener.try_wait(|_| {}) {
-                tracing::warn!(?error, "draining events");
+        // The first look at signals installs their handlers; only then may somebody count on them.
+        if self.is_asked_to_end() {
+            return Ok(());
+        }
+        ready();
+        let (mut kept, mut quiet) = (Instant::now(), Quiet::new(&self.registry.options().domain));
+        let mut pause = FIRST_LOOK;
+        loop {
+            let woken = match self.listener.timed_wait(|_| {}, pause) {
+                Ok(num_events) => num_events > 0,
+                Err(ListenerWaitError::InterruptSignal) => false,
+                Err(error) => {
+                    static FAILED: Throttle = Throttle::new();
+                    if let Some(num_suppressed) = FAILED.admit() {
+                        tracing::warn!(?error, num_suppressed, "waiting for events");
+                    }
+                    std::thread::sleep(pause);
+                    false
+                }
+            };
+            let is_time = kept.elapsed() >= HOUSEKEEPING;
+            if shutdown.is_requested() || ((is_time || !woken) && self.is_asked_to_end()) {
+                return Ok(());
+            }
+            pause = if woken { FIRST_LOOK } else { (LOOK_GROWTH * pause).clamp(FIRST_LOOK, HOUSEKEEPING) };
+            if is_time {
+                if !quiet.is_quiet() {
+                    // What it counts is not news: some dead nodes can never be removed.
+                    let _ = self.node.try_cleanup_dead_nodes();
+                }
+                kept = Instant::now();
             }
             // Events are drained first: whatever comes from here on wakes again.
             self.control.answer(|job| self.pool.push(Task::Register(Box::new(job))));
@@ -246,18 +268,11 @@ impl Daemon {
                 }
                 session.has_host()
             });
-            if shutdown.is_requested() { CallbackProgression::Stop } else { CallbackProgression::Continue }
-        };
-        // The first wait installs the handlers of signals; only then may somebody count on them.
-        let mut result = waitset.wait_and_process_once_with_timeout(&mut on_event, Duration::ZERO);
-        ready();
-        loop {
-            match result.map_err(|error| failed(&error))? {
-                WaitSetRunResult::TerminationRequest | WaitSetRunResult::StopRequest => return Ok(()),
-                // Any signal interrupts; one that asks to end is reported by the next wait.
-                WaitSetRunResult::Interrupt | WaitSetRunResult::AllEventsHandled => {}
-            }
-            result = waitset.wait_and_process_once(&mut on_event);
         }
+    }
+
+    /// Whether a signal has come that asks to end. Costs a system call.
+    fn is_asked_to_end(&self) -> bool {
+        self.node.wait(Duration::ZERO) == Err(NodeWaitFailure::TerminationRequest)
     }
 }

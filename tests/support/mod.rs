@@ -4,6 +4,7 @@
 
 pub(crate) mod brute;
 pub(crate) mod degenerate;
+pub(crate) mod fan;
 pub(crate) mod files;
 pub(crate) mod rules;
 pub(crate) mod scene;

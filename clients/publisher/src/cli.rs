@@ -214,6 +214,7 @@ fn parameters(args: &PublishArgs, cloth: &Cloth) -> Parameters {
         drag_1_s: drag,
         thickness_m: thickness_m.unwrap_or_else(|| 0.2 * cloth.mean_edge_length_m()),
         num_substeps: substeps,
+        single_precision: true,
     }
 }
 
@@ -241,4 +242,17 @@ fn write_obj(folder: Option<&Path>, name: &str, cloth: &Cloth) -> Result<(), Hos
         obj::write(&folder.join(name), cloth)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::Scene;
+
+    #[test]
+    fn without_a_word_it_is_the_cloth_of_the_library() {
+        let args = Cli::parse_from(["untangled-publisher"]).args;
+        let cloth = Scene::Tongue.build(1, 0.05);
+        assert_eq!(parameters(&args, &cloth), Parameters::of_cloth(&cloth, 9.81));
+    }
 }

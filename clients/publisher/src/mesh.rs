@@ -101,6 +101,16 @@ impl Cloth {
         (self.rest_positions[a as usize] - self.rest_positions[b as usize]).norm()
     }
 
+    /// The ratio of an edge's length to its length at rest that is farthest from 1; 1 without edges.
+    #[must_use]
+    pub fn worst_edge_ratio(&self) -> f64 {
+        let ratio = |[a, b]: [u32; 2]| {
+            (self.positions[a as usize] - self.positions[b as usize]).norm() / self.rest_length([a, b])
+        };
+        let farther = |worst: f64, ratio: f64| if ratio.ln().abs() > worst.ln().abs() { ratio } else { worst };
+        self.edges().into_iter().map(ratio).fold(1.0, farther)
+    }
+
     /// Rounds every position to single precision, which is what goes over the wire: the host then simulates what it publishes.
     pub fn round_to_f32(&mut self) {
         for position in &mut self.positions {
@@ -168,6 +178,16 @@ mod tests {
     fn a_square_has_five_edges_and_one_hinge() {
         assert_eq!(square().edges(), [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]);
         assert_eq!(square().hinges(), [Hinge { vertices: [0, 2, 1, 3] }]);
+    }
+
+    #[test]
+    fn the_worst_edge_may_be_long_or_short() {
+        let mut cloth = square();
+        assert!((cloth.worst_edge_ratio() - 1.0).abs() < 1e-12);
+        cloth.positions[1].x = 3.0;
+        assert!((cloth.worst_edge_ratio() - 1.5).abs() < 1e-12);
+        cloth.positions[2] = cloth.positions[1] + Vec3::new(0.0, 0.1, 0.0);
+        assert!((cloth.worst_edge_ratio() - 0.1).abs() < 1e-12);
     }
 
     #[test]

@@ -28,8 +28,8 @@ use crate::{
     session::Session,
 };
 
-/// How long to sleep before asking again whether a daemon has come up.
-const RETRY: Duration = Duration::from_millis(10);
+/// How long to sleep before trying again what may pass.
+pub(crate) const RETRY: Duration = Duration::from_millis(10);
 
 /// How to connect.
 #[derive(Clone, Debug)]
@@ -77,18 +77,15 @@ impl Client {
         let domain = Domain::locate(options.domain.as_deref())?;
         let config = domain.config()?;
         let deadline = Instant::now() + options.timeout;
-        let mut shared = loop {
-            match Shared::open(&domain, &config, options.timeout) {
-                Ok(shared) => break shared,
-                Err(error @ ConnectError::Version { .. }) => return Err(error),
-                Err(error) if Instant::now() >= deadline => return Err(error),
-                // No daemon yet, or one that is just coming up or cleaning up.
-                Err(_) => std::thread::sleep(RETRY),
+        loop {
+            let opened = Shared::open(&domain, &config, options.timeout);
+            match opened.and_then(|shared| shared.hello(deadline).map(|hello| (shared, hello))) {
+                Ok((shared, hello)) => return Ok(Self { shared: Arc::new(shared), hello }),
+                // No daemon yet, or one that is just coming up or cleaning up behind others.
+                Err(error) if error.may_pass() && Instant::now() < deadline => std::thread::sleep(RETRY),
+                Err(error) => return Err(error),
             }
-        };
-        shared.timeout = options.timeout;
-        let hello = shared.hello(deadline)?;
-        Ok(Self { shared: Arc::new(shared), hello })
+        }
     }
 
     /// The domain.

@@ -52,6 +52,11 @@ impl RequestError {
     pub(crate) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
         Self::Transport { what, reason: format!("{reason:?}") }
     }
+
+    /// Whether trying again may help: daemons come up, and places in services that the dead still hold become free.
+    pub(crate) fn may_pass(&self) -> bool {
+        matches!(self, Self::NoDaemon { .. } | Self::Transport { .. })
+    }
 }
 
 /// Why a client could not connect.
@@ -71,6 +76,17 @@ pub enum ConnectError {
     /// The handshake failed.
     #[error(transparent)]
     Request(#[from] RequestError),
+}
+
+impl ConnectError {
+    /// Whether trying again may help.
+    pub(crate) fn may_pass(&self) -> bool {
+        match self {
+            Self::Domain(_) => true,
+            Self::Version { .. } => false,
+            Self::Request(error) => error.may_pass(),
+        }
+    }
 }
 
 /// Why a session could not be opened.

@@ -32,6 +32,7 @@ mod correction;
 mod error;
 mod link;
 mod loan;
+mod looks;
 mod paths;
 mod registration;
 mod request;

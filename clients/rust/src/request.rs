@@ -1,6 +1,6 @@
 //! One request to the daemon and its reply.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use iceoryx2::{
     identifiers::UniqueServerId,
@@ -11,10 +11,7 @@ use untangled_proto::{
     Domain, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, memory, names, services::Ipc,
 };
 
-use crate::{client::Shared, error::RequestError};
-
-/// Longest sleep in one go: a lost event costs no more than this.
-const SLICE: Duration = Duration::from_millis(50);
+use crate::{client::Shared, error::RequestError, looks::Looks};
 
 /// A request on its way. It has a port of its own, so that a large registration does not keep its memory for good.
 #[derive(Debug)]
@@ -23,6 +20,7 @@ pub(crate) struct Pending {
     listener: Listener<Ipc>,
     _port: RequestPort<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
     server: UniqueServerId,
+    token: [u64; 2],
     pub(crate) sent: Instant,
 }
 
@@ -59,6 +57,7 @@ impl Pending {
             .create()
             .map_err(|error| RequestError::transport("creating a request port", &error))?;
         commit_memory(&shared.domain, port.id().value(), needed)?;
+        let token = halves(port.id().value());
         let mut request = port
             .loan_slice_uninit(payload.len())
             .map_err(|error| RequestError::transport("loaning a request", &error))?;
@@ -67,6 +66,7 @@ impl Pending {
             kind: kind as u32,
             session,
             num_sections,
+            token,
             ..RequestHeader::default()
         };
         let response = request
@@ -74,11 +74,12 @@ impl Pending {
             .send()
             .map_err(|error| RequestError::transport("sending a request", &error))?;
         shared.wake(names::EVENT_REQUEST);
-        Ok(Self { response, listener, _port: port, server, sent: Instant::now() })
+        Ok(Self { response, listener, _port: port, server, token, sent: Instant::now() })
     }
 
     /// Waits for the reply. At the deadline the request is still on its way: try again, or drop it.
     pub(crate) fn poll(&self, shared: &Shared, deadline: Instant) -> Result<Option<Reply>, RequestError> {
+        let mut looks = Looks::new();
         loop {
             if let Some(reply) = self.receive()? {
                 return Ok(Some(reply));
@@ -91,8 +92,7 @@ impl Pending {
             if shared.server() != Some(self.server) {
                 return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
             }
-            // An interrupted wait is a shorter one.
-            let _ = self.listener.timed_wait(|_| {}, left.min(SLICE));
+            looks.sleep(&self.listener, left);
         }
     }
 
@@ -105,9 +105,14 @@ impl Pending {
     }
 
     fn receive(&self) -> Result<Option<Reply>, RequestError> {
-        let received = self.response.receive();
-        let Some(response) = received.map_err(|error| RequestError::transport("receiving a reply", &error))? else {
-            return Ok(None);
+        let response = loop {
+            let received = self.response.receive();
+            match received.map_err(|error| RequestError::transport("receiving a reply", &error))? {
+                Some(response) if response.user_header().token == self.token => break response,
+                // It was meant for a client that is gone and whose place this one took.
+                Some(_) => {}
+                None => return Ok(None),
+            }
         };
         let header = *response.user_header();
         let text = String::from_utf8_lossy(response.payload()).into_owned();
@@ -116,6 +121,11 @@ impl Pending {
             status => Err(RequestError::Refused { status: status.unwrap_or(Status::Internal), message: text }),
         }
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the lower half is what is wanted")]
+fn halves(id: u128) -> [u64; 2] {
+    [id as u64, (id >> 64) as u64]
 }
 
 /// Whether shared memory holds this much more. Asked before each port is made, since making it already writes a little.

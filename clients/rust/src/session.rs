@@ -11,17 +11,15 @@ use untangled_proto::{
 };
 
 use crate::{
-    client::Shared,
+    client::{RETRY, Shared},
     correction::{Correction, CorrectionSample},
     error::{ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError},
     link::Link,
     loan::Loan,
+    looks::{Looks, SLICE},
     registration::{Registration, settings_bytes},
     request::Pending,
 };
-
-/// Longest sleep in one go, and how often a silent daemon's process is looked at.
-const SLICE: Duration = Duration::from_millis(50);
 
 /// When a state is from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,9 +62,18 @@ impl Session {
     pub(crate) fn open(shared: Arc<Shared>, registration: Registration) -> Result<Self, RegisterError> {
         let deadline = Instant::now() + shared.timeout;
         let (payload, num_sections) = registration.encode();
-        let pending = Pending::send(&shared, RequestKind::Register, 0, &payload, num_sections)?;
-        let reply = pending.wait(&shared, deadline)?;
-        let link = Link::open(&shared.node, &shared.domain, &reply, &registration)?;
+        let attempt = || {
+            let pending = Pending::send(&shared, RequestKind::Register, 0, &payload, num_sections)?;
+            let reply = pending.wait(&shared, deadline)?;
+            Link::open(&shared.node, &shared.domain, &reply, &registration)
+        };
+        let link = loop {
+            match attempt() {
+                Ok(link) => break link,
+                Err(error) if error.may_pass() && Instant::now() < deadline => std::thread::sleep(RETRY),
+                Err(error) => return Err(error.into()),
+            }
+        };
         Ok(Self { state: State::Live(Box::new(link)), registration, frame: 0, num_registrations: 1, shared })
     }
 
@@ -233,6 +240,7 @@ impl Session {
     }
 
     fn wait_until(&mut self, frame: u64, begin: Instant, deadline: Instant) -> Result<Correction, WaitError> {
+        let mut looks = Looks::new();
         loop {
             while let Some(sample) = self.receive().map_err(|reason| WaitError::Receive { reason })? {
                 let newest = sample.user_header().frame;
@@ -254,8 +262,7 @@ impl Session {
             if left.is_zero() {
                 return Err(WaitError::Timeout { frame, waited: begin.elapsed() });
             }
-            // An interrupted wait is a shorter one.
-            let _ = link.listener.timed_wait(|_| {}, left.min(SLICE));
+            looks.sleep(&link.listener, left);
         }
     }
 
@@ -299,9 +306,7 @@ impl Session {
                     match Pending::send(&self.shared, RequestKind::Register, 0, &payload, num_sections) {
                         Ok(pending) => self.state = State::Pending(Box::new(pending)),
                         // The transport fails while a dead daemon is being cleaned up, or a new one comes up.
-                        Err(RequestError::NoDaemon { .. } | RequestError::Transport { .. }) => {
-                            sleep_or_give_up(deadline)?
-                        }
+                        Err(error) if error.may_pass() => sleep_or_give_up(deadline)?,
                         Err(error) => return Err(error.into()),
                     }
                 }
@@ -321,7 +326,7 @@ impl Session {
                     // A daemon that died with the request in its hands never answers: ask the next one.
                     Ok(None) if pending.sent.elapsed() > self.shared.timeout => self.state = State::Lost,
                     Ok(None) => return Err(PublishError::Reconnecting),
-                    Err(RequestError::NoDaemon { .. } | RequestError::Transport { .. }) => self.state = State::Lost,
+                    Err(error) if error.may_pass() => self.state = State::Lost,
                     Err(error) => {
                         self.state = State::Lost;
                         return Err(error.into());

@@ -61,6 +61,9 @@ impl FromStr for Scene {
 }
 
 impl Scene {
+    /// The names of the scenes with one type of path each.
+    pub const SINGLE: [&str; 7] = ["bag", "tongue", "curtains", "crease", "twist", "drop", "wedge"];
+
     /// Builds the scene with triangles of about `edge_m` metres.
     #[must_use]
     pub fn build(self, seed: u64, edge_m: f64) -> Cloth {
@@ -103,7 +106,7 @@ mod tests {
 
     #[test]
     fn every_scene_is_tangled_held_and_the_same_again() {
-        for name in ["bag", "tongue", "curtains", "crease", "twist", "drop", "wedge", "gallery"] {
+        for name in Scene::SINGLE.into_iter().chain(["gallery"]) {
             let scene: Scene = name.parse().unwrap();
             let cloth = scene.build(3, 0.04);
             assert_eq!(scene.build(3, 0.04), cloth, "{name}");

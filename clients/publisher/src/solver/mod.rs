@@ -35,6 +35,25 @@ pub struct Parameters {
     pub thickness_m: f64,
     /// Substeps of one step.
     pub num_substeps: u32,
+    /// Whether positions are rounded to single precision after each step: then what goes over the wire is the state itself.
+    pub single_precision: bool,
+}
+
+impl Parameters {
+    /// Light cloth that drapes: what the command line takes where nothing is said.
+    #[must_use]
+    pub fn of_cloth(cloth: &Cloth, gravity_m_s2: f64) -> Self {
+        Self {
+            gravity_m_s2: Vec3::new(0.0, 0.0, -gravity_m_s2),
+            density_kg_m2: 0.2,
+            stretch_n_m: 1e3,
+            bending_n_m: 1e-4,
+            drag_1_s: 8.0,
+            thickness_m: 0.2 * cloth.mean_edge_length_m(),
+            num_substeps: 8,
+            single_precision: true,
+        }
+    }
 }
 
 /// What the untangler asks for, for one step.
@@ -75,7 +94,9 @@ impl Solver {
     /// A cloth at rest (zero velocity) where it is now.
     #[must_use]
     pub fn new(mut cloth: Cloth, parameters: Parameters) -> Self {
-        cloth.round_to_f32();
+        if parameters.single_precision {
+            cloth.round_to_f32();
+        }
         let masses_kg = cloth.masses_kg(parameters.density_kg_m2);
         let mut inverse_masses: Vec<f64> = masses_kg.iter().map(|mass| mass.recip()).collect();
         for &pin in &cloth.pins {
@@ -96,7 +117,7 @@ impl Solver {
         }
     }
 
-    /// The cloth as it is now. Its positions are single-precision numbers: what goes over the wire is the state itself.
+    /// The cloth as it is now. Its positions are single-precision numbers unless the parameters say otherwise.
     #[must_use]
     pub fn cloth(&self) -> &Cloth {
         &self.cloth
@@ -145,6 +166,8 @@ impl Solver {
                 *velocity = (now - before) / substep_s;
             }
         }
-        self.cloth.round_to_f32();
+        if self.parameters.single_precision {
+            self.cloth.round_to_f32();
+        }
     }
 }

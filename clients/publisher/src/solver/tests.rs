@@ -14,6 +14,7 @@ fn parameters(gravity: f64) -> Parameters {
         drag_1_s: 3.0,
         thickness_m: 0.01,
         num_substeps: 4,
+        single_precision: true,
     }
 }
 
@@ -34,6 +35,18 @@ fn without_forces_a_sheet_at_rest_stays_where_it_is() {
     }
     for (now, before) in solver.cloth().positions.iter().zip(&cloth.positions) {
         assert!((now - before).norm() < 1e-5, "{before} moved to {now}");
+    }
+}
+
+#[test]
+fn positions_are_single_precision_only_where_that_was_chosen() {
+    for single_precision in [true, false] {
+        let cloth = Sheet::new(0.5, 0.5, 0.05).build(1, |u, v| Vec3::new(u, v, 0.0));
+        let mut solver = Solver::new(cloth, Parameters { single_precision, ..parameters(9.81) });
+        solver.step(1.0 / 60.0, Help::NONE);
+        let mut rounded = solver.cloth().clone();
+        rounded.round_to_f32();
+        assert_eq!(rounded == *solver.cloth(), single_precision);
     }
 }
 

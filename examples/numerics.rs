@@ -1,0 +1,89 @@
+//! Makes the document of limits: for each extreme what is promised and what was seen. Ends in failure where a promise is broken.
+//!
+//! ```sh
+//! cargo run --release --example numerics > docs/NUMERICS.md
+//! cargo run --release --example numerics -- --quick      # at the sizes of the test
+//! ```
+
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    unreachable_pub,
+    missing_debug_implementations,
+    reason = "a program for developers, whose numbers are small; what goes wrong ends it with words"
+)]
+
+#[path = "../tests/numerics/cases/mod.rs"]
+mod cases;
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use std::{hint::black_box, process::ExitCode, time::Instant};
+
+use cpu_time::ThreadTime;
+
+use cases::{Effort, chapters, single};
+
+const HEAD: &str = "# Numbers at their limits
+
+Made by `cargo run --release --example numerics > docs/NUMERICS.md`; do not edit. `tests/numerics` holds each promise at smaller sizes, and fails where one is \
+broken. \"Finite\" means every correction, path point, condition number and target.
+";
+
+fn main() -> ExitCode {
+    let effort = if std::env::args().any(|argument| argument == "--quick") { Effort::Quick } else { Effort::Full };
+    println!("{HEAD}");
+    let mut num_broken = 0;
+    for chapter in chapters() {
+        println!("## {}\n\n{}\n", chapter.title, chapter.text);
+        header(&["what", "promised", "seen"]);
+        for case in chapter.cases {
+            let begin = Instant::now();
+            let seen = case.measure(effort).unwrap_or_else(|words| {
+                num_broken += 1;
+                format!("**broken**: {words}")
+            });
+            println!("| {} | {} | {seen} |", case.what, case.promise);
+            eprintln!("{:.1} s: {}", begin.elapsed().as_secs_f64(), case.what);
+        }
+        println!();
+    }
+    single_precision(effort);
+    if num_broken > 0 {
+        eprintln!("{num_broken} promises are broken: see above");
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}
+
+fn single_precision(effort: Effort) {
+    println!("## Single precision inside\n\n{}\n", single::TEXT);
+    header(&["centres", "condition", "all in f32", "images in f32", "input in f32", "fit, f64 time / f32 time"]);
+    for problem in single::problems(if effort == Effort::Quick { 100 } else { 1000 }) {
+        let single::Loss { condition, all, images, input } = problem.loss();
+        let ratio = time(&problem, false) / time(&problem, true);
+        println!("| {} | {condition:.0e} | {all:.0e} | {images:.0e} | {input:.0e} | {ratio:.1} |", problem.name);
+    }
+}
+
+/// The least processor time of some fits, in seconds.
+fn time(problem: &single::Problem, single: bool) -> f64 {
+    let mut least = f64::INFINITY;
+    let begin = ThreadTime::now();
+    while begin.elapsed().as_secs_f64() < 0.2 {
+        let start = ThreadTime::now();
+        black_box(problem.fit(single));
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    least
+}
+
+fn header(columns: &[&str]) {
+    println!("| {} |\n|{}", columns.join(" | "), "---|".repeat(columns.len()));
+}

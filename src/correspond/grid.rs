@@ -1,0 +1,107 @@
+//! A grid over a part of the plane: which cells a box covers, and which lie round a cell.
+
+use nalgebra::{Point2, Vector2};
+
+/// Square cells, numbered row by row. Points outside belong to the nearest cell of the border.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    low: Point2<f64>,
+    pub(crate) cell: f64,
+    columns: usize,
+    rows: usize,
+}
+
+impl Default for Grid {
+    fn default() -> Self {
+        Self::over(std::iter::empty(), 0)
+    }
+}
+
+impl Grid {
+    /// About `num_cells` cells over the box of some points.
+    pub(crate) fn over<'a>(points: impl Iterator<Item = &'a Point2<f64>>, num_cells: usize) -> Self {
+        let box_of = |(low, high): (Point2<f64>, Point2<f64>), point: &Point2<f64>| (low.inf(point), high.sup(point));
+        let nothing = (Point2::new(f64::INFINITY, f64::INFINITY), Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+        let (low, high) = points.fold(nothing, box_of);
+        let (low, extent) = if low.x <= high.x { (low, high - low) } else { (Point2::origin(), Vector2::zeros()) };
+        let count = as_float(num_cells.max(1));
+        let side = extent.x.max(extent.y);
+        let cell = (extent.x * extent.y / count).sqrt().max(side / count).max(f64::MIN_POSITIVE);
+        Self { low, cell, columns: whole(extent.x / cell) + 1, rows: whole(extent.y / cell) + 1 }
+    }
+
+    pub(crate) fn num_cells(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// How many rings round a cell there are at most, itself included.
+    pub(crate) fn num_rings(&self) -> usize {
+        self.columns.max(self.rows)
+    }
+
+    /// Column and row of a point.
+    pub(crate) fn place(&self, point: Point2<f64>) -> (usize, usize) {
+        let at = (point - self.low) / self.cell;
+        (whole(at.x).min(self.columns - 1), whole(at.y).min(self.rows - 1))
+    }
+
+    /// The cell of a point.
+    pub(crate) fn cell_of(&self, point: Point2<f64>) -> usize {
+        let (column, row) = self.place(point);
+        row * self.columns + column
+    }
+
+    /// The cells that a box covers.
+    pub(crate) fn cells(self, low: Point2<f64>, high: Point2<f64>) -> impl Iterator<Item = usize> + Clone {
+        let (low, high) = (self.place(low), self.place(high));
+        (low.1..=high.1).flat_map(move |row| (low.0..=high.0).map(move |column| row * self.columns + column))
+    }
+
+    /// The cells that are `ring` columns or rows away from one, whichever is more.
+    pub(crate) fn ring(self, (column, row): (usize, usize), ring: usize) -> impl Iterator<Item = usize> {
+        let rows = row.saturating_sub(ring)..=(row + ring).min(self.rows - 1);
+        rows.flat_map(move |at| {
+            let (first, last) = (column.checked_sub(ring), (column + ring < self.columns).then_some(column + ring));
+            // A row at the top or the bottom belongs to the ring as a whole, of others the two ends.
+            let whole = at.abs_diff(row) == ring;
+            let all = column.saturating_sub(ring)..=(column + ring).min(self.columns - 1);
+            let ends = [first, last].into_iter().flatten();
+            let cells = all.filter(move |_| whole).chain(ends.filter(move |_| !whole));
+            cells.map(move |column| at * self.columns + column)
+        })
+    }
+
+    /// From a point to the nearest point of the grid's box, the other way round.
+    pub(crate) fn beyond(&self, point: Point2<f64>) -> Vector2<f64> {
+        let high = self.low + Vector2::new(self.cell * as_float(self.columns), self.cell * as_float(self.rows));
+        point - point.inf(&high).sup(&self.low)
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a count of cells")]
+pub(crate) fn as_float(count: usize) -> f64 {
+    count as f64
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, which is what is wanted")]
+fn whole(value: f64) -> usize {
+    value.max(0.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rings_round_a_cell_make_up_the_grid() {
+        let corners = [Point2::new(0.0, 0.0), Point2::new(0.7, 0.4)];
+        let grid = Grid::over(corners.iter(), 28);
+        for start in [Point2::new(0.0, 0.0), Point2::new(0.33, 0.21), Point2::new(9.0, 0.3)] {
+            let rings = (0..grid.num_rings()).flat_map(|ring| grid.ring(grid.place(start), ring));
+            let mut cells: Vec<usize> = rings.collect();
+            cells.sort_unstable();
+            assert_eq!(cells, (0..grid.num_cells()).collect::<Vec<_>>());
+        }
+        assert_eq!(grid.cells(corners[0], corners[1]).count(), grid.num_cells());
+    }
+}
