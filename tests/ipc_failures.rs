@@ -11,6 +11,7 @@ use std::{
     time::Duration,
 };
 
+use iceoryx2::prelude::EventId;
 use rustix::process::{Signal, kill_process};
 use support::{DEADLINE, Daemon, STEP, TestDomain, eventually, fill_flat, node, request, session_service_name, sheet};
 use untangled_client::{
@@ -18,7 +19,10 @@ use untangled_client::{
     StepTime, Uvs, WaitError,
 };
 use untangled_proto::{
-    PROTOCOL_VERSION, PositionF32, RegisterParams, RequestHeader, RequestKind, StateHeader,
+    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PositionF32, RegisterParams, ReplyHeader, RequestHeader,
+    RequestKind, StateHeader,
+    control::Hello,
+    lock::DomainLock,
     names::{self, SessionService},
     sections::{SectionWriter, id},
     services,
@@ -185,6 +189,48 @@ fn other_versions_are_refused_in_words() {
     assert_eq!(reply.status, Status::UnsupportedProtocol.code());
     assert_eq!(reply.protocol_version, PROTOCOL_VERSION);
     assert!(words.contains("protocol 999"), "{words}");
+}
+
+/// The daemon is the test itself: its first reply bears the token of somebody else's request, as one that comes late.
+#[test]
+fn the_reply_to_another_request_is_not_taken() {
+    let domain = TestDomain::new();
+    let mut lock = DomainLock::acquire(&domain.0).unwrap();
+    let node = node(&domain);
+    let _requests = services::create_shared_event(&node, names::CONTROL).unwrap();
+    let replies = services::create_shared_event(&node, names::REPLY).unwrap();
+    let notifier = replies.notifier_builder().create().unwrap();
+    let control = services::create_control(&node).unwrap();
+    let server = control.server_builder().initial_max_slice_len(4096).create().unwrap();
+    lock.announce().unwrap();
+    let options = domain.options();
+    let connecting = std::thread::spawn(move || Client::connect(options));
+    let mut request = None;
+    eventually("a request", || {
+        request = server.receive().unwrap();
+        request.is_some()
+    });
+    let request = request.unwrap();
+    let token = request.user_header().token;
+    assert_ne!(token, [0; 2]);
+    let reply = |token, pid| {
+        let hello = Hello {
+            protocol_version: PROTOCOL_VERSION,
+            library_version: LIBRARY_VERSION.to_owned(),
+            iceoryx2_version: ICEORYX2_VERSION.to_owned(),
+            pid,
+        };
+        let text = serde_json::to_string(&hello).unwrap();
+        let mut reply = request.loan_slice_uninit(text.len()).unwrap();
+        *reply.user_header_mut() = ReplyHeader { protocol_version: PROTOCOL_VERSION, token, ..ReplyHeader::default() };
+        reply.write_from_slice(text.as_bytes()).send().unwrap();
+        notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY)).unwrap();
+    };
+    reply([token[0], !token[1]], 1);
+    // Time to look at it: the place for replies holds one.
+    std::thread::sleep(Duration::from_millis(200));
+    reply(token, 2);
+    assert_eq!(connecting.join().unwrap().unwrap().daemon().pid, 2);
 }
 
 #[test]
