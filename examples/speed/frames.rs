@@ -10,7 +10,11 @@ use untangled::{
     untangler::Untangler,
 };
 
-use crate::{Failure, header, milliseconds, sheet};
+use crate::{
+    Failure,
+    folded::{Furrows, folded},
+    header, milliseconds, sheet,
+};
 
 /// Processor time of each stage.
 #[derive(Default)]
@@ -86,15 +90,26 @@ pub(crate) fn paper_table() -> Result<(), Failure> {
         "paper",
         "paper / all",
     ]);
-    // Seed, resolution, frequency, steps; then the paper's paths, segments, inside, and the sum of its milliseconds.
-    for (seed, resolution, frequency, further, paper) in [
-        (1, 35, 1.5, 2, [4, 154, 147, 32]),
-        (2, 35, 2.5, 12, [23, 1976, 827, 391]),
-        (2, 125, 2.5, 0, [8, 284, 147, 375]),
-        (2, 125, 2.5, 12, [30, 4540, 1515, 7906]),
-    ] {
-        let sheet = sheet::crumpled_further(seed, resolution, frequency, further);
-        let found = measure(&sheet, 12)?;
+    let folded =
+        |resolution, rows, columns, along, across| folded(1, resolution, Furrows { rows, columns, along, across });
+    let crumpled = sheet::crumpled_further;
+    // Each with the paper's paths, segments, inside, and the sum of its milliseconds.
+    let which: usize = std::env::var("ROW").map_or(9, |r| r.parse().unwrap_or(9));
+    for (row, (sheet, paper)) in [
+        (crumpled(1, 35, 1.5, 2), [4, 154, 147, 32]),
+        (folded(35, 4, 6, 2.4, 1.5), [23, 1976, 827, 391]),
+        (crumpled(2, 35, 2.5, 12), [23, 1976, 827, 391]),
+        (folded(125, 2, 4, 3.0, 1.0), [8, 284, 147, 375]),
+        (folded(125, 6, 5, 9.0, 1.1), [30, 4540, 1515, 7906]),
+        (crumpled(2, 125, 2.5, 12), [30, 4540, 1515, 7906]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        if which != 9 && which != row {
+            continue;
+        }
+        let found = measure(&sheet, if which == 9 { 12 } else { 100 })?;
         let [segments, paths, regions, fits, _] = found.stages;
         let all = milliseconds(found.whole);
         println!(

@@ -11,6 +11,7 @@
 #![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "prints tables of ratios")]
 
 mod cores;
+mod folded;
 mod frames;
 mod scenes;
 mod search;

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::{
     Correspondences, MaterialPoint, PathCorrespondence, Pull,
     centres::Centres,
-    chart::Chart,
+    chart::{Chart, ChartKind},
     image::Image,
     lift::Lift,
     rbf::ThinPlate,
@@ -36,12 +36,20 @@ const REFINEMENTS: usize = 3;
 #[derive(Debug, Default)]
 pub struct Correspondent {
     correspondences: Correspondences,
-    own: Chart,
-    partner: Chart,
+    charts: [Chart; 2],
+    laid: Option<Laid>,
     track: Track,
     centres: Centres,
     plate: ThinPlate,
     face_points: Vec<(FaceId, usize, Point3<f64>)>,
+}
+
+/// Whose charts there are. Where both paths of a pair have a region, the second one needs those of the first, the other way round.
+#[derive(Debug)]
+struct Laid {
+    copy: usize,
+    partner: usize,
+    kinds: [ChartKind; 2],
 }
 
 impl Correspondent {
@@ -80,6 +88,7 @@ impl Correspondent {
         self.correspondences.pulls.clear();
         self.correspondences.partings.clear();
         self.correspondences.num_done = 0;
+        self.laid = None;
         &self.correspondences
     }
 
@@ -115,34 +124,51 @@ impl Correspondent {
         let one_chart = path.partner == copy || is_joint;
         let edge_length_m = mean_edge_length(mesh, frame, segments)?;
 
-        let patch = self.own.patch_mut();
-        patch.start(mesh, segments.iter().map(|segment| segment.own));
-        if is_joint {
-            patch.add_faces(mesh, segments.iter().map(|segment| segment.partner));
-        }
-        patch.add_around(mesh, region);
-        patch.grow(mesh, OWN_RINGS, MAX_FACES);
-        let own_chart = self.own.build(mesh, frame)?;
-        if !self.track.lay_own(mesh, points, segments, path.closed, &self.own) {
+        let laid = self.laid.take().filter(|laid| [laid.copy, laid.partner] == [path.partner, copy]);
+        // No swap: the next frame shall find memory of the same size.
+        let [first, second] = &mut self.charts;
+        let (own, partner) = if laid.is_some() { (second, first) } else { (first, second) };
+        let own_chart = if let Some(laid) = &laid {
+            laid.kinds[1]
+        } else {
+            let patch = own.patch_mut();
+            patch.start(mesh, segments.iter().map(|segment| segment.own));
+            if is_joint {
+                patch.add_faces(mesh, segments.iter().map(|segment| segment.partner));
+            }
+            patch.add_around(mesh, region);
+            patch.grow(mesh, OWN_RINGS, MAX_FACES);
+            own.build(mesh, frame)?
+        };
+        if !self.track.lay_own(mesh, points, segments, path.closed, own) {
             return None;
         }
-        self.own.set_period(self.track.own.period);
+        own.set_period(self.track.own.period);
         let partner_chart = if one_chart {
             own_chart
+        } else if let Some(laid) = &laid {
+            laid.kinds[0]
         } else {
-            let rings = depth(region, &self.own, &self.track.own, edge_length_m).saturating_add(OWN_RINGS + 1);
-            let patch = self.partner.patch_mut();
+            // A region there is where the targets lie; otherwise they reach as far as the region here.
+            let rings = match partner_region {
+                Some(_) => OWN_RINGS,
+                None => depth(region, own, &self.track.own, edge_length_m).saturating_add(OWN_RINGS + 1),
+            };
+            let patch = partner.patch_mut();
             patch.start(mesh, segments.iter().map(|segment| segment.partner));
             patch.add_around(mesh, partner_region.unwrap_or(&[]));
             patch.grow(mesh, rings, MAX_FACES);
-            self.partner.build(mesh, frame)?
+            partner.build(mesh, frame)?
         };
-        let partner = if one_chart { &mut self.own } else { &mut self.partner };
-        if !self.track.lay_partner(mesh, points, segments, partner) {
+        if partner_region.is_some() && !one_chart && laid.is_none() {
+            self.laid = Some(Laid { copy, partner: path.partner, kinds: [own_chart, partner_chart] });
+        }
+        let other = if one_chart { &mut *own } else { &mut *partner };
+        if !self.track.lay_partner(mesh, points, segments, other) {
             return None;
         }
-        partner.set_period(self.track.partner.period);
-        let (own, partner) = (&self.own, if one_chart { &self.own } else { &self.partner });
+        other.set_period(self.track.partner.period);
+        let (own, partner) = (&*own, if one_chart { &*own } else { &*partner });
         let side = self.track.region_side(mesh, points, segments, Sheet::Own, own, region)?;
         let image_side = partner_region
             .and_then(|region| self.track.region_side(mesh, points, segments, Sheet::Partner, partner, region));

@@ -51,10 +51,15 @@ impl Grid {
         row * self.columns + column
     }
 
-    /// The cells that a box covers.
-    pub(crate) fn cells(self, low: Point2<f64>, high: Point2<f64>) -> impl Iterator<Item = usize> + Clone {
+    /// Visits the cells that a box covers, row by row.
+    #[inline]
+    pub(crate) fn for_cells(&self, low: Point2<f64>, high: Point2<f64>, mut visit: impl FnMut(usize)) {
         let (low, high) = (self.place(low), self.place(high));
-        (low.1..=high.1).flat_map(move |row| (low.0..=high.0).map(move |column| row * self.columns + column))
+        for row in low.1..=high.1 {
+            for column in low.0..=high.0 {
+                visit(row * self.columns + column);
+            }
+        }
     }
 
     /// The cells that are `ring` columns or rows away from one, whichever is more.
@@ -102,6 +107,8 @@ mod tests {
             cells.sort_unstable();
             assert_eq!(cells, (0..grid.num_cells()).collect::<Vec<_>>());
         }
-        assert_eq!(grid.cells(corners[0], corners[1]).count(), grid.num_cells());
+        let mut count = 0;
+        grid.for_cells(corners[0], corners[1], |_| count += 1);
+        assert_eq!(count, grid.num_cells());
     }
 }

@@ -5,6 +5,9 @@ use nalgebra::Point2;
 use super::grid::{Grid, as_float};
 use crate::mesh::Csr;
 
+/// Faces for each cell of the grid.
+const TRIANGLES_OF_CELL: usize = 4;
+
 /// Triangles of the plane, found through a grid.
 #[derive(Debug, Default)]
 pub(crate) struct Locator {
@@ -15,6 +18,8 @@ pub(crate) struct Locator {
     /// For each cell the triangles and the parts of the outline whose boxes meet it, ascending.
     triangles_in: Csr<u32>,
     outline_in: Csr<u32>,
+    /// Scratch: cells with what lies in them.
+    pairs: Vec<(usize, u32)>,
 }
 
 /// A side of a triangle that no other triangle shares: side `side` of triangle `triangle`.
@@ -51,19 +56,21 @@ impl Locator {
         }
     }
 
-    /// Builds the grid over all triangles added: about one cell for each.
+    /// Builds the grid over all triangles added: one cell for a few of them, since far fewer points are looked for than there are faces.
     pub(crate) fn finish(&mut self) {
-        let Self { triangles, outline, .. } = self;
-        let grid = Grid::over(triangles.iter().flatten(), triangles.len());
-        let cells_of = |(number, [a, b, c]): (u32, &[Point2<f64>; 3])| {
-            grid.cells(a.inf(b).inf(c), a.sup(b).sup(c)).map(move |cell| (cell, number))
-        };
-        self.triangles_in.fill(grid.num_cells(), (0u32..).zip(&*triangles).flat_map(cells_of));
-        let cells_of = |(number, rim): (u32, &Rim)| {
+        let Self { triangles, outline, pairs, .. } = self;
+        let grid = Grid::over(triangles.iter().flatten(), triangles.len() / TRIANGLES_OF_CELL);
+        pairs.clear();
+        for (number, [a, b, c]) in (0u32..).zip(&*triangles) {
+            grid.for_cells(a.inf(b).inf(c), a.sup(b).sup(c), |cell| pairs.push((cell, number)));
+        }
+        self.triangles_in.fill(grid.num_cells(), pairs.iter().copied());
+        pairs.clear();
+        for (number, rim) in (0u32..).zip(&*outline) {
             let [a, b] = rim.ends(triangles);
-            grid.cells(a.inf(&b), a.sup(&b)).map(move |cell| (cell, number))
-        };
-        self.outline_in.fill(grid.num_cells(), (0u32..).zip(&*outline).flat_map(cells_of));
+            grid.for_cells(a.inf(&b), a.sup(&b), |cell| pairs.push((cell, number)));
+        }
+        self.outline_in.fill(grid.num_cells(), pairs.iter().copied());
         self.grid = grid;
     }
 

@@ -50,13 +50,6 @@ impl Corners {
         let [a, b, c] = self.sites;
         side_of_plane(a, b, c, site)
     }
-
-    /// Whether the line through `p` and `q`, which lie on different sides of this face, passes through it.
-    fn is_pierced_by(&self, p: Site, q: Site) -> bool {
-        let [a, b, c] = self.sites;
-        let side = side_of_plane(p, q, a, b);
-        side == side_of_plane(p, q, b, c) && side == side_of_plane(p, q, c, a)
-    }
 }
 
 /// The first vertex that two faces have in common.
@@ -110,22 +103,45 @@ fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {
     if sides_a[0] == sides_a[1] && sides_a[1] == sides_a[2] {
         return None;
     }
-    let mut crossings = [None; 3];
+    // Each face crosses the other's plane along two edges, those of the corner that lies alone. All four pierce the common line of the planes;
+    // on which side of one of them another one passes says in which order, and so which lie within the other face.
+    let (alone_a, alone_b) = (alone(sides_a), alone(sides_b));
+    let passes = |i: usize, j: usize| {
+        let [p, q] = [alone_a, (alone_a + i) % 3].map(|corner| a.sites[corner]);
+        let [r, s] = [alone_b, (alone_b + j) % 3].map(|corner| b.sites[corner]);
+        side_of_plane(p, q, r, s)
+    };
+    let [[aa, ab], [ba, bb]] = [[passes(1, 1), passes(1, 2)], [passes(2, 1), passes(2, 2)]];
+    let edge_from = |of: &Corners, corner: usize, step: usize| edge_at(mesh, of, (corner + 2 * (step - 1)) % 3);
+    let mut crossings = [None; 2];
     let mut num_crossings = 0;
-    for (edges_of, sides, face) in [(a, sides_a, b), (b, sides_b, a)] {
-        for corner in 0..3 {
-            let next = (corner + 1) % 3;
-            if sides[corner] != sides[next] && face.is_pierced_by(edges_of.sites[corner], edges_of.sites[next]) {
-                assert!(num_crossings < 2, "faces {} and {} have three crossings", a.face.0, b.face.0);
-                crossings[num_crossings] = Some((edge_at(mesh, edges_of, corner), face.face));
-                num_crossings += 1;
-            }
+    for (is_crossing, of, corner, step, face) in [
+        (aa != ab, a, alone_a, 1, b),
+        (ba != bb, a, alone_a, 2, b),
+        (aa != ba, b, alone_b, 1, a),
+        (ab != bb, b, alone_b, 2, a),
+    ] {
+        if is_crossing {
+            assert!(num_crossings < 2, "faces {} and {} have three crossings", a.face.0, b.face.0);
+            crossings[num_crossings] = Some((edge_from(of, corner, step), face.face));
+            num_crossings += 1;
         }
     }
     match crossings {
-        [Some(first), Some(second), _] => Some(Contact::Crossings([first, second])),
-        [None, ..] => None,
+        [Some(first), Some(second)] => Some(Contact::Crossings([first, second])),
+        [None, _] => None,
         _ => panic!("faces {} and {} have one crossing: the signs are not consistent", a.face.0, b.face.0),
+    }
+}
+
+/// The corner on the other side than the two others, where not all lie on one.
+fn alone([a, b, c]: [Side; 3]) -> usize {
+    if b == c {
+        0
+    } else if a == c {
+        1
+    } else {
+        2
     }
 }
 
@@ -168,22 +184,23 @@ fn beyond_vertex(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Crossing> {
         return None;
     }
     // A face that lies on one side of the other's plane, but for the common vertex, can't reach it.
-    let across_a = a.side_of(b.sites[1]) != a.side_of(b.sites[2]);
-    if !across_a {
+    let [over_r, over_s] = [b.sites[1], b.sites[2]].map(|site| a.side_of(site));
+    if over_r == over_s {
         return None;
     }
-    let across_b = b.side_of(a.sites[1]) != b.side_of(a.sites[2]);
-    if !across_b {
+    let [over_p, over_q] = [a.sites[1], a.sites[2]].map(|site| b.side_of(site));
+    if over_p == over_q {
         return None;
     }
-    let mut crossing = None;
-    for (edge_of, face) in [(a, b), (b, a)] {
-        if face.is_pierced_by(edge_of.sites[1], edge_of.sites[2]) {
-            assert!(crossing.is_none(), "faces {} and {} have two crossings beside their vertex", a.face.0, b.face.0);
-            crossing = Some((edge_at(mesh, edge_of, 1), face.face));
-        }
+    // The common line of the planes runs through the vertex and both opposite edges, or beyond them. Which of the edges it meets first decides
+    // who is pierced: an edge pierces a face that it passes on the same side on its three sides, of which two are known by now.
+    let passes = side_of_plane(a.sites[1], a.sites[2], b.sites[1], b.sites[2]);
+    match (passes == over_r, passes == over_p) {
+        (true, false) => Some((edge_at(mesh, a, 1), b.face)),
+        (false, true) => Some((edge_at(mesh, b, 1), a.face)),
+        (false, false) => None,
+        (true, true) => panic!("faces {} and {} have two crossings beside their vertex", a.face.0, b.face.0),
     }
-    crossing
 }
 
 /// The edge from a corner to the next.

@@ -80,7 +80,7 @@ pub(crate) fn crumpled_further(seed: u64, resolution: u32, frequency: f64, furth
 }
 
 /// Squares with diagonals of random direction.
-fn grid(resolution: u32, rng: &mut ChaCha8Rng) -> (Vec<[u32; 3]>, Vec<[f64; 2]>) {
+pub(crate) fn grid(resolution: u32, rng: &mut ChaCha8Rng) -> (Vec<[u32; 3]>, Vec<[f64; 2]>) {
     let step = 1.0 / f64::from(resolution);
     let row = resolution + 1;
     let uvs = (0..row * row).map(|k| [f64::from(k % row) * step, f64::from(k / row) * step]).collect();
