@@ -7,7 +7,7 @@ use super::separate::are_apart;
 use crate::{
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
-    predicates::{Side, Site, side_of_plane},
+    predicates::{Plane, Side, Site, side_of_plane},
 };
 
 /// An edge and the face it pierces.
@@ -46,9 +46,8 @@ impl Corners {
         self
     }
 
-    fn side_of(&self, site: Site) -> Side {
-        let [a, b, c] = self.sites;
-        side_of_plane(a, b, c, site)
+    fn plane(&self) -> Plane {
+        Plane::through(self.sites)
     }
 }
 
@@ -95,11 +94,13 @@ pub(crate) fn contact_beyond(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2], ver
 }
 
 fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {
-    let sides_b = b.sites.map(|site| a.side_of(site));
+    let plane = a.plane();
+    let sides_b = b.sites.map(|site| plane.side_of(site));
     if sides_b[0] == sides_b[1] && sides_b[1] == sides_b[2] {
         return None;
     }
-    let sides_a = a.sites.map(|site| b.side_of(site));
+    let plane = b.plane();
+    let sides_a = a.sites.map(|site| plane.side_of(site));
     if sides_a[0] == sides_a[1] && sides_a[1] == sides_a[2] {
         return None;
     }
@@ -184,11 +185,13 @@ fn beyond_vertex(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Crossing> {
         return None;
     }
     // A face that lies on one side of the other's plane, but for the common vertex, can't reach it.
-    let [over_r, over_s] = [b.sites[1], b.sites[2]].map(|site| a.side_of(site));
+    let plane = a.plane();
+    let [over_r, over_s] = [b.sites[1], b.sites[2]].map(|site| plane.side_of(site));
     if over_r == over_s {
         return None;
     }
-    let [over_p, over_q] = [a.sites[1], a.sites[2]].map(|site| b.side_of(site));
+    let plane = b.plane();
+    let [over_p, over_q] = [a.sites[1], a.sites[2]].map(|site| plane.side_of(site));
     if over_p == over_q {
         return None;
     }

@@ -9,6 +9,9 @@
 //! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates in the
 //! range where that holds.
 
+mod plane;
+
+pub(crate) use plane::Plane;
 use robust::{Coord, Coord3D};
 
 /// On which side of an oriented plane a point lies. There is no third answer.

@@ -1,0 +1,84 @@
+//! One plane against many points: what does not depend on the point is computed once.
+
+use super::{Side, Site, side_of_plane};
+
+/// Relative to the sum of its terms' magnitudes, the error of the determinant below is at most this (Shewchuk 1997, the first of the bounds of
+/// Orient3D): its operations are those, with the roles of the four points changed.
+const ROUNDING: f64 = (7.0 + 56.0 * UNIT) * UNIT;
+/// 2^-53.
+const UNIT: f64 = 0.5 * f64::EPSILON;
+
+/// The plane through three sites.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    sites: [Site; 3],
+    /// Two-by-two minors of the sides from the first site.
+    minors: [f64; 3],
+    /// The same with all terms positive.
+    magnitudes: [f64; 3],
+}
+
+impl Plane {
+    pub(crate) fn through(sites: [Site; 3]) -> Self {
+        let [a, b, c] = sites.map(|site| site.position);
+        let (u, v) = (minus(b, a), minus(c, a));
+        let terms = |i: usize, j: usize| (u[i] * v[j], u[j] * v[i]);
+        let terms = [terms(1, 2), terms(2, 0), terms(0, 1)];
+        Self {
+            sites,
+            minors: terms.map(|(plus, minus)| plus - minus),
+            magnitudes: terms.map(|(plus, minus)| plus.abs() + minus.abs()),
+        }
+    }
+
+    /// The side on which a site lies: what [`side_of_plane`] says.
+    #[inline]
+    pub(crate) fn side_of(&self, site: Site) -> Side {
+        let away = minus(site.position, self.sites[0].position);
+        let [x, y, z] = [0, 1, 2].map(|axis| away[axis] * self.minors[axis]);
+        let [p, q, r] = [0, 1, 2].map(|axis| away[axis].abs() * self.magnitudes[axis]);
+        let (volume, bound) = (x + y + z, ROUNDING * (p + q + r));
+        if volume > bound {
+            Side::Above
+        } else if volume < -bound {
+            Side::Below
+        } else {
+            let [a, b, c] = self.sites;
+            side_of_plane(a, b, c, site)
+        }
+    }
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    #[test]
+    fn says_what_the_exact_predicate_says() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        for round in 0..200_000 {
+            let mut point = || -> [f64; 3] { std::array::from_fn(|_| rng.random_range(-1.0..1.0)) };
+            let corners = [point(), point(), point()];
+            let mut last = point();
+            if round % 2 == 0 {
+                // In the plane but for rounding.
+                let weights = point();
+                let sum: f64 = weights.iter().sum();
+                last = std::array::from_fn(|axis| {
+                    (0..3).map(|corner| weights[corner] / sum * corners[corner][axis]).sum::<f64>()
+                });
+            }
+            let site = |index: u32, position| Site { position, index };
+            let [a, b, c] = [0, 1, 2].map(|corner| site(u32::try_from(corner).unwrap(), corners[corner]));
+            let plane = Plane::through([a, b, c]);
+            let exact = side_of_plane(a, b, c, site(3, last));
+            assert_eq!(plane.side_of(site(3, last)), exact, "{corners:?} {last:?}");
+        }
+    }
+}
