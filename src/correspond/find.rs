@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Rings of faces round a path and its region in its own chart.
-const OWN_RINGS: usize = 2;
+const OWN_RINGS: usize = 1;
 /// A chart stops growing at this many faces; targets beyond it are drawn back to its outline.
 const MAX_FACES: usize = 40_000;
 /// Centres beside a path lie this far from it, in edge lengths.
