@@ -24,6 +24,9 @@ use crate::{
 /// Nodes that one thread fits in one go, at least.
 const LEAST_SHARE: usize = 256;
 
+/// The same for vertices, which take less.
+const SHARE_OF_VERTICES: usize = 4096;
+
 /// A pair of nodes of one level whose subtrees are to be searched against each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodePair {
@@ -88,27 +91,31 @@ impl FaceTree {
 
     fn map_vertices(&mut self, frame: &Frame) {
         let positions = frame.positions();
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for position in positions {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(position[axis]);
-                high[axis] = high[axis].max(position[axis]);
-            }
-        }
+        let nothing = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let joined = |one: ([f64; 3], [f64; 3]), other: ([f64; 3], [f64; 3])| {
+            let low = std::array::from_fn(|axis| one.0[axis].min(other.0[axis]));
+            (low, std::array::from_fn(|axis| one.1[axis].max(other.1[axis])))
+        };
+        let shares = positions.par_chunks(SHARE_OF_VERTICES);
+        let boxes = shares.map(|share| {
+            share.iter().fold(nothing(), |sum, &position| {
+                let position: [f64; 3] = position.into();
+                joined(sum, (position, position))
+            })
+        });
+        let (low, high) = boxes.reduce(nothing, joined);
         let centre: [f64; 3] = std::array::from_fn(|axis| low[axis].midpoint(high[axis]));
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         // A frame in one point needs no scale.
         let scale = if extent > 0.0 { 1.0 / extent } else { 1.0 };
         self.scale = scale;
-        self.mapped.clear();
-        self.mapped.extend(positions.iter().map(|position| {
-            std::array::from_fn(|axis| {
-                #[expect(clippy::cast_possible_truncation, reason = "monotone, which is all that is needed")]
-                let mapped = ((position[axis] - centre[axis]) * scale) as f32;
-                mapped
-            })
-        }));
+        self.mapped.resize(positions.len(), [0.0; 3]);
+        let mapped = self.mapped.par_iter_mut().with_min_len(SHARE_OF_VERTICES).zip(positions);
+        mapped.for_each(|(mapped, position)| {
+            #[expect(clippy::cast_possible_truncation, reason = "monotone, which is all that is needed")]
+            let map = |axis: usize| ((position[axis] - centre[axis]) * scale) as f32;
+            *mapped = std::array::from_fn(map);
+        });
     }
 
     fn refit(&mut self) {

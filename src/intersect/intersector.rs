@@ -67,13 +67,18 @@ impl<T> Search<'_, T> {
     /// Tests the faces of a ring; how far it may move with nothing found, in metres.
     #[inline(always)]
     fn test_ring(&mut self, ring: usize) -> f64 {
-        let ring = self.tree.rings().get(ring);
-        let Part { umbrella, fan, contacts, .. } = &mut *self.part;
-        let room = umbrella.room_m(self.frame, ring);
+        let room = self.part.umbrella.room_m(self.frame, self.tree.rings().get(ring));
         if room <= 0.0 {
-            fan.contacts(self.mesh, self.frame, ring.centre, &mut |faces, contact| contacts.push((faces, contact)));
+            self.test_fan(ring);
         }
         room
+    }
+
+    /// Tests the faces of a ring pair by pair.
+    fn test_fan(&mut self, ring: usize) {
+        let centre = self.tree.rings().get(ring).centre;
+        let Part { fan, contacts, .. } = &mut *self.part;
+        fan.contacts(self.mesh, self.frame, centre, &mut |faces, contact| contacts.push((faces, contact)));
     }
 }
 
@@ -97,7 +102,10 @@ impl Task for Search<'_, Range<usize>> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, _: L) {
         for ring in self.what.clone() {
-            self.test_ring(ring);
+            let is_open = self.part.umbrella.is_open(self.frame, self.tree.rings().get(ring));
+            if !is_open {
+                self.test_fan(ring);
+            }
         }
     }
 }

@@ -42,6 +42,18 @@ impl Umbrella {
     /// proven not to meet now.
     #[inline(always)]
     pub(crate) fn room_m(&mut self, frame: &Frame, ring: Ring<'_>) -> f64 {
+        self.room(frame, ring, room_to_left)
+    }
+
+    /// Whether the faces of a ring are proven not to meet beyond its centre.
+    #[inline(always)]
+    pub(crate) fn is_open(&mut self, frame: &Frame, ring: Ring<'_>) -> bool {
+        self.room(frame, ring, area_to_left) > 0.0
+    }
+
+    /// The same by any measure of a left turn that is positive for a proven one.
+    #[inline(always)]
+    fn room(&mut self, frame: &Frame, ring: Ring<'_>, turn: impl Fn(Spoke, Spoke) -> f64) -> f64 {
         let &[first, .., last] = ring.around else { return 0.0 };
         let closes = first == last;
         let centre: [f64; 3] = frame.position(ring.centre).into();
@@ -67,7 +79,7 @@ impl Umbrella {
             y: spoke[after],
             reach: reach(spoke),
         }));
-        let room = room_to_turn(&self.flat, closes);
+        let room = room_to_turn(&self.flat, closes, &turn);
         if room > 0.0 {
             return room;
         }
@@ -84,7 +96,7 @@ impl Umbrella {
             reach: 6.0 * reach(spoke),
         }));
         // The two vectors are at most sqrt(2) and sqrt(6) long, so that a point moves, seen along them, less than three times as far.
-        room_to_turn(&self.flat, closes) / 3.0
+        room_to_turn(&self.flat, closes, &turn) / 3.0
     }
 }
 
@@ -96,19 +108,19 @@ fn reach(spoke: &[f64; 3]) -> f64 {
 /// Whether each spoke is reached from the one before by a left turn of less than half a turn, and the last one from the first by one
 /// turn, or less than one: positive if so, and how far the points may move before it ends, at least.
 #[inline(always)]
-fn room_to_turn(spokes: &[Spoke], closes: bool) -> f64 {
+fn room_to_turn(spokes: &[Spoke], closes: bool, turn: &impl Fn(Spoke, Spoke) -> f64) -> f64 {
     let most_parts = if closes { 4 } else { 2 };
     let mut start = 0;
     let mut num_parts = 1;
     let mut least = f64::INFINITY;
     for end in 1..spokes.len() {
-        let room = room_to_left(spokes[end - 1], spokes[end]);
+        let room = turn(spokes[end - 1], spokes[end]);
         if room <= 0.0 {
             return 0.0;
         }
         least = least.min(room);
         if start + 1 < end {
-            let since_start = room_to_left(spokes[start], spokes[end]);
+            let since_start = turn(spokes[start], spokes[end]);
             // What has hardly any room left is better a part of its own.
             if since_start > 0.125 * room {
                 least = least.min(since_start);
@@ -121,12 +133,18 @@ fn room_to_turn(spokes: &[Spoke], closes: bool) -> f64 {
     if num_parts <= most_parts { least } else { 0.0 }
 }
 
+/// Twice the area to the left of the turn from one spoke to another: less than the truth.
+#[inline(always)]
+fn area_to_left(from: Spoke, to: Spoke) -> f64 {
+    from.x * to.y - from.y * to.x - (ROUNDING * (from.reach * to.reach) + FLOOR)
+}
+
 /// How far the centre and both points may move before the turn from one to the other is no left turn any more.
 ///
 /// Twice the area is `c = a x b`. If everything moves by m or less, a and b change by 2 m, hence c by at most 2 m (|a| + |b|) + 4 m^2. With
 /// m = c / 2.5 (|a| + |b|) and c <= |a| |b| <= (|a| + |b|)^2 / 4 the second term is at most a fifth of the first, and both are 0.96 c.
 #[inline(always)]
 fn room_to_left(from: Spoke, to: Spoke) -> f64 {
-    let area = from.x * to.y - from.y * to.x - (ROUNDING * (from.reach * to.reach) + FLOOR);
+    let area = area_to_left(from, to);
     if area > 0.0 { area / (2.5 * (from.x.abs() + from.y.abs() + to.x.abs() + to.y.abs())) } else { 0.0 }
 }
