@@ -59,30 +59,26 @@ impl Umbrella {
         let centre: [f64; 3] = frame.position(ring.centre).into();
         self.spokes.clear();
         self.spokes.extend(ring.around.iter().map(|&vertex| minus(frame.position(vertex).into(), centre)));
+        // Along an axis first: most cloth is smooth enough, and nothing needs projecting. Nearly always any of the faces says along which.
+        let one = cross(self.spokes[0], self.spokes[1]);
+        let room = self.room_along(Axis::of(one), closes, &turn);
+        if room > 0.0 {
+            return room;
+        }
         let normal = self.spokes.windows(2).fold([0.0; 3], |sum, side| {
             let normal = cross(side[0], side[1]);
             [sum[0] + normal[0], sum[1] + normal[1], sum[2] + normal[2]]
         });
-        let axis = (1..3).fold(0, |best, axis| if normal[axis].abs() > normal[best].abs() { axis } else { best });
-        let size = normal[axis].abs();
-        if size == 0.0 {
-            return 0.0;
-        }
-        // Along an axis first: most cloth is smooth enough, and nothing needs projecting.
-        let (mut next, mut after) = ((axis + 1) % 3, (axis + 2) % 3);
-        if normal[axis] < 0.0 {
-            (next, after) = (after, next);
-        }
-        self.flat.clear();
-        self.flat.extend(self.spokes.iter().map(|spoke| Spoke {
-            x: spoke[next],
-            y: spoke[after],
-            reach: reach(spoke),
-        }));
-        let room = room_to_turn(&self.flat, closes, &turn);
+        let axis = Axis::of(normal);
+        let room = if axis == Axis::of(one) { 0.0 } else { self.room_along(axis, closes, &turn) };
         if room > 0.0 {
             return room;
         }
+        let size = normal[axis.number].abs();
+        if size == 0.0 {
+            return 0.0;
+        }
+        let [next, _] = axis.others();
         let normal = normal.map(|coordinate| coordinate / size);
         let mut aside = [0.0; 3];
         aside[next] = 1.0;
@@ -97,6 +93,42 @@ impl Umbrella {
         }));
         // The two vectors are at most sqrt(2) and sqrt(6) long, so that a point moves, seen along them, less than three times as far.
         room_to_turn(&self.flat, closes, &turn) / 3.0
+    }
+
+    /// The same as seen along an axis.
+    #[inline(always)]
+    fn room_along(&mut self, axis: Axis, closes: bool, turn: &impl Fn(Spoke, Spoke) -> f64) -> f64 {
+        let [next, after] = axis.others();
+        self.flat.clear();
+        self.flat.extend(self.spokes.iter().map(|spoke| Spoke {
+            x: spoke[next],
+            y: spoke[after],
+            reach: reach(spoke),
+        }));
+        room_to_turn(&self.flat, closes, turn)
+    }
+}
+
+/// An axis and a direction along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Axis {
+    number: usize,
+    is_backwards: bool,
+}
+
+impl Axis {
+    /// The one nearest to a direction.
+    #[inline(always)]
+    fn of(normal: [f64; 3]) -> Self {
+        let number = (1..3).fold(0, |best, axis| if normal[axis].abs() > normal[best].abs() { axis } else { best });
+        Self { number, is_backwards: normal[number] < 0.0 }
+    }
+
+    /// The other two axes, so that a turn from the first to the second is a left one.
+    #[inline(always)]
+    fn others(self) -> [usize; 2] {
+        let [next, after] = [(self.number + 1) % 3, (self.number + 2) % 3];
+        if self.is_backwards { [after, next] } else { [next, after] }
     }
 }
 
