@@ -8,10 +8,10 @@ use super::{
     Intersections, Segment, SegmentEnd,
     broad::{FaceTree, NodePair},
     coherence::{Coherence, LeafPair, Mode, RINGS_OF_GROUP, until},
-    lanes::{Lanes, Task, dispatch},
+    lanes::{FOUR, Lanes, Task, dispatch},
     locate::locate,
     narrow::{Contact, Crossing, Fan, contact, share_a_vertex},
-    separate::{Triangle, are_apart, distance_m},
+    separate::{ALL_FOUR, FourTriangles, Triangle, distance_m, put},
     umbrella::Umbrella,
 };
 use crate::{
@@ -32,6 +32,8 @@ const PAIRS_OF_PART: usize = 1024;
 #[derive(Debug, Default)]
 struct Part {
     stack: Vec<NodePair>,
+    /// Places of faces whose boxes overlap.
+    pairs: Vec<[u32; 2]>,
     umbrella: Umbrella,
     fan: Fan,
     contacts: Vec<([FaceId; 2], Contact)>,
@@ -86,14 +88,26 @@ impl Task for Search<'_, NodePair> {
     /// Tests the pairs of two subtrees.
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
-        let (tree, subtrees) = (self.tree, self.what);
-        let mut stack = std::mem::take(&mut self.part.stack);
-        tree.search(lanes, subtrees, &mut stack, |places| {
-            if !are_apart(&self.triangle(places[0]), &self.triangle(places[1])) {
-                self.test(places);
+        let Part { stack, pairs, .. } = &mut *self.part;
+        pairs.clear();
+        self.tree.search(lanes, self.what, stack, |places| pairs.push(places));
+        let pairs = std::mem::take(&mut self.part.pairs);
+        let mut triangles = <[FourTriangles; 2]>::default();
+        // Not one by one as they are found: what is called from there would be compiled for the least of instruction sets.
+        for four in pairs.chunks(FOUR) {
+            for (lane, &places) in four.iter().enumerate() {
+                put(&mut triangles, lane, [self.triangle(places[0]), self.triangle(places[1])]);
             }
-        });
-        self.part.stack = stack;
+            // What lies in unused lanes is that of the last pairs.
+            let unused = ALL_FOUR & (ALL_FOUR << four.len());
+            let apart = lanes.apart(&triangles, unused);
+            for (lane, &places) in four.iter().enumerate() {
+                if apart >> lane & 1 == 0 {
+                    self.test(places);
+                }
+            }
+        }
+        self.part.pairs = pairs;
     }
 }
 

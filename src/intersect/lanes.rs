@@ -1,11 +1,20 @@
 //! Choice of instruction set: the same answers, faster where the processor allows it.
 
-use super::boxes::{Boxes, Hull, WIDTH};
+use super::{
+    boxes::{Boxes, Hull, WIDTH},
+    separate::{FourTriangles, are_apart, are_four_apart},
+};
+
+/// Pairs of triangles that are looked at side by side.
+pub(crate) const FOUR: usize = 4;
 
 /// What goes through boxes eight at a time.
 pub(crate) trait Lanes: Copy {
     /// A bit for each of eight boxes that overlaps another one; touching counts.
     fn overlaps(self, boxes: &Boxes, hull: &Hull) -> u32;
+
+    /// A bit for each of four pairs of triangles that is proven to be apart, and those in `unused`.
+    fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32;
 }
 
 /// Work to be compiled for each instruction set. Its functions have to be inlined all the way down, or they are compiled for the least
@@ -30,6 +39,14 @@ impl Lanes for Portable {
         }
         hits.iter().enumerate().fold(0, |mask, (lane, &hit)| mask | (u32::from(hit) << lane))
     }
+
+    #[inline(always)]
+    fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32 {
+        let one = |four: &FourTriangles, lane: usize| four.map(|corner| corner.map(|coordinate| coordinate[lane]));
+        (0..FOUR).filter(|lane| unused >> lane & 1 == 0).fold(unused, |mask, lane| {
+            mask | (u32::from(are_apart(&one(&pairs[0], lane), &one(&pairs[1], lane))) << lane)
+        })
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -44,6 +61,19 @@ impl Lanes for pulp::x86::V3 {
             apart = self.or_u32x8(apart, self.or_u32x8(pulp::cast(above), pulp::cast(below)));
         }
         !self.avx._mm256_movemask_ps(pulp::cast(apart)).cast_unsigned() & 0xff
+    }
+
+    #[inline(always)]
+    fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32 {
+        let mut vectors = [[[self.splat_f64x4(0.0); 3]; 3]; 2];
+        for (vectors, four) in vectors.iter_mut().zip(pairs) {
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    vectors[corner][axis] = pulp::cast(four[corner][axis]);
+                }
+            }
+        }
+        are_four_apart(self, [&vectors[0], &vectors[1]], unused)
     }
 }
 

@@ -3,6 +3,7 @@
 //! The atom is the [`EdgeFaceIntersection`]: a mesh edge that pierces a face it shares no vertex with. Two faces that intersect
 //! do so along one [`Segment`], between two of these or between one and a vertex that the faces share, the *loop vertex*.
 
+mod arithmetic;
 mod boxes;
 mod broad;
 mod coherence;

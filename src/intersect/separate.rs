@@ -4,8 +4,19 @@
 //! be the rounded normal of one of them and is taken as exact. What is left to bound is the rounding of the projections. A proof that
 //! succeeds spares the exact signs; one that fails says nothing.
 
+use super::{
+    arithmetic::{Arithmetic, Plain},
+    lanes::FOUR,
+};
+
 /// Corners in metres.
-pub(crate) type Triangle = [[f64; 3]; 3];
+pub(crate) type Triangle<T = f64> = [[T; 3]; 3];
+
+/// Four triangles, coordinate by coordinate.
+pub(crate) type FourTriangles = Triangle<[f64; FOUR]>;
+
+/// All of four pairs.
+pub(crate) const ALL_FOUR: u32 = (1 << FOUR) - 1;
 
 /// Relative error of a difference of two projections.
 ///
@@ -17,114 +28,176 @@ const ROUNDING: f64 = 16.0 * (f64::EPSILON / 2.0);
 /// Differences below it may come from underflow, where errors are not relative.
 const FLOOR: f64 = 1e-290;
 
-/// Two triangles relative to the first corner of the first.
-struct Relative {
-    a: [[f64; 3]; 2],
-    b: [[f64; 3]; 3],
+/// Two triangles, or several pairs side by side, relative to the first corner of the first.
+struct Relative<A: Arithmetic> {
+    by: A,
+    a: [[A::Value; 3]; 2],
+    b: [[A::Value; 3]; 3],
     /// The largest magnitude of each coordinate.
-    reach: [f64; 3],
+    reach: [A::Value; 3],
 }
 
-impl Relative {
+impl<A: Arithmetic> Relative<A> {
     #[inline(always)]
-    fn new(a: &Triangle, b: &Triangle) -> Self {
+    fn new(by: A, a: &Triangle<A::Value>, b: &Triangle<A::Value>) -> Self {
         let origin = a[0];
-        let a = [minus(a[1], origin), minus(a[2], origin)];
-        let b = b.map(|corner| minus(corner, origin));
-        let reach = std::array::from_fn(|axis| {
-            let [p, q] = a.map(|corner| corner[axis].abs());
-            let [r, s, t] = b.map(|corner| corner[axis].abs());
-            higher(higher(higher(p, q), higher(r, s)), t)
-        });
-        Self { a, b, reach }
+        let a = [by.minus(a[1], origin), by.minus(a[2], origin)];
+        let b = [by.minus(b[0], origin), by.minus(b[1], origin), by.minus(b[2], origin)];
+        let mut reach = [by.of(0.0); 3];
+        for corner in [a[0], a[1], b[0], b[1], b[2]] {
+            for axis in 0..3 {
+                reach[axis] = by.higher(reach[axis], by.magnitude(corner[axis]));
+            }
+        }
+        Self { by, a, b, reach }
     }
 
     /// From the middle of one triangle to that of the other, times three.
     #[inline(always)]
-    fn across(&self) -> [f64; 3] {
-        let ([p, q], [r, s, t]) = (self.a, self.b);
-        std::array::from_fn(|axis| r[axis] + s[axis] + t[axis] - p[axis] - q[axis])
+    fn across(&self) -> [A::Value; 3] {
+        let Self { by, a: [p, q], b: [r, s, t], .. } = *self;
+        let mut across = [by.of(0.0); 3];
+        for axis in 0..3 {
+            let sum = by.sum(by.sum(r[axis], s[axis]), t[axis]);
+            across[axis] = by.difference(by.difference(sum, p[axis]), q[axis]);
+        }
+        across
     }
 
-    /// Whether one of the directions that may part the triangles will do.
+    /// Tries directions that may part the triangles until one will do: from middle to middle, both normals, and those at right angles to an edge
+    /// within its triangle's plane, which part neighbours in one sheet.
     #[inline(always)]
-    fn any_direction(&self, mut will_do: impl FnMut([f64; 3]) -> bool) -> bool {
-        if will_do(self.across()) {
+    fn any_direction(&self, test: &mut impl Test<A>) -> bool {
+        let Self { by, a, b, .. } = *self;
+        if test.will_do(self, self.across()) {
             return true;
         }
-        let edges_a = [self.a[0], minus(self.a[1], self.a[0]), self.a[1]];
-        let normal_a = cross(self.a[0], self.a[1]);
-        if will_do(normal_a) {
+        let normal_a = by.cross(a[0], a[1]);
+        if test.will_do(self, normal_a) {
             return true;
         }
-        let edges_b = [minus(self.b[1], self.b[0]), minus(self.b[2], self.b[1]), minus(self.b[0], self.b[2])];
-        let normal_b = cross(edges_b[0], edges_b[1]);
-        will_do(normal_b)
-            || edges_a.iter().any(|&edge| will_do(cross(edge, normal_a)))
-            || edges_b.iter().any(|&edge| will_do(cross(edge, normal_b)))
+        let edges_b = [by.minus(b[1], b[0]), by.minus(b[2], b[1]), by.minus(b[0], b[2])];
+        let normal_b = by.cross(edges_b[0], edges_b[1]);
+        if test.will_do(self, normal_b) {
+            return true;
+        }
+        let edges_a = [a[0], by.minus(a[1], a[0]), a[1]];
+        for (edges, normal) in [(edges_a, normal_a), (edges_b, normal_b)] {
+            for edge in edges {
+                if test.will_do(self, by.cross(edge, normal)) {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// How much further one triangle lies along `m` than the other, times the length of `m`: less than the truth, or not positive.
     #[inline(always)]
-    fn gap_along(&self, m: [f64; 3]) -> f64 {
-        let [p, q] = self.a.map(|corner| dot(m, corner));
-        let [r, s, t] = self.b.map(|corner| dot(m, corner));
-        let (low_a, high_a) = (lower(lower(p, q), 0.0), higher(higher(p, q), 0.0));
-        let (low_b, high_b) = (lower(lower(r, s), t), higher(higher(r, s), t));
-        let gap = higher(low_b - high_a, low_a - high_b);
-        gap - (ROUNDING * dot(m.map(f64::abs), self.reach) + FLOOR)
+    fn gap_along(&self, m: [A::Value; 3]) -> A::Value {
+        let Self { by, a, b, reach } = *self;
+        let zero = by.of(0.0);
+        let [p, q] = [by.dot(m, a[0]), by.dot(m, a[1])];
+        let [r, s, t] = [by.dot(m, b[0]), by.dot(m, b[1]), by.dot(m, b[2])];
+        let (low_a, high_a) = (by.lower(by.lower(p, q), zero), by.higher(by.higher(p, q), zero));
+        let (low_b, high_b) = (by.lower(by.lower(r, s), t), by.higher(by.higher(r, s), t));
+        let gap = by.higher(by.difference(low_b, high_a), by.difference(low_a, high_b));
+        let magnitudes = [by.magnitude(m[0]), by.magnitude(m[1]), by.magnitude(m[2])];
+        by.difference(gap, by.sum(by.product(by.of(ROUNDING), by.dot(magnitudes, reach)), by.of(FLOOR)))
     }
 }
 
-/// Whether two triangles are proven to have no point in common. At worst nine vectors are tried: from middle to middle, both normals, and the
-/// directions at right angles to an edge within its triangle's plane, which part neighbours in one sheet.
+/// What a direction is good for. A method and no closure: those are not always inlined, and then compiled for the least of instruction sets.
+trait Test<A: Arithmetic> {
+    fn will_do(&mut self, relative: &Relative<A>, m: [A::Value; 3]) -> bool;
+}
+
+/// Whether two triangles are proven to have no point in common. At worst nine vectors are tried.
 #[inline(always)]
 pub(crate) fn are_apart(a: &Triangle, b: &Triangle) -> bool {
-    let relative = Relative::new(a, b);
-    relative.any_direction(|m| relative.gap_along(m) > 0.0)
+    Relative::new(Plain, a, b).any_direction(&mut Parts)
+}
+
+struct Parts;
+
+impl Test<Plain> for Parts {
+    #[inline(always)]
+    fn will_do(&mut self, relative: &Relative<Plain>, m: [f64; 3]) -> bool {
+        relative.gap_along(m) > 0.0
+    }
 }
 
 /// A lower bound of the distance of two triangles in metres; zero where none is known. What is beyond `enough` does not matter.
 #[inline(always)]
 pub(crate) fn distance_m(a: &Triangle, b: &Triangle, enough: f64) -> f64 {
-    let relative = Relative::new(a, b);
-    let mut distance = 0.0;
-    relative.any_direction(|m| {
+    let mut farthest = Farthest { distance: 0.0, enough };
+    Relative::new(Plain, a, b).any_direction(&mut farthest);
+    farthest.distance
+}
+
+struct Farthest {
+    distance: f64,
+    enough: f64,
+}
+
+impl Test<Plain> for Farthest {
+    #[inline(always)]
+    fn will_do(&mut self, relative: &Relative<Plain>, m: [f64; 3]) -> bool {
         let gap = relative.gap_along(m);
         if gap > 0.0 {
             let square = dot(m, m);
             // Of a square that underflows nothing is known.
             if square > 1e-280 {
-                distance = higher(distance, gap / square.sqrt() * (1.0 - 1e-14));
+                self.distance = Plain.higher(self.distance, gap / square.sqrt() * (1.0 - 1e-14));
             }
         }
-        distance >= enough
-    });
-    distance
+        self.distance >= self.enough
+    }
+}
+
+/// One bit for each of four pairs of triangles that is proven to be apart, or that is marked in `unused`.
+#[inline(always)]
+pub(crate) fn are_four_apart<A: Arithmetic>(by: A, pairs: [&Triangle<A::Value>; 2], unused: u32) -> u32 {
+    let mut parted = PartsAll { apart: unused };
+    Relative::new(by, pairs[0], pairs[1]).any_direction(&mut parted);
+    parted.apart
+}
+
+struct PartsAll {
+    apart: u32,
+}
+
+impl<A: Arithmetic> Test<A> for PartsAll {
+    #[inline(always)]
+    fn will_do(&mut self, relative: &Relative<A>, m: [A::Value; 3]) -> bool {
+        self.apart |= relative.by.positive(relative.gap_along(m));
+        self.apart == ALL_FOUR
+    }
+}
+
+/// Puts a pair of triangles beside others.
+#[inline(always)]
+pub(crate) fn put(pairs: &mut [FourTriangles; 2], lane: usize, pair: [Triangle; 2]) {
+    for (four, triangle) in pairs.iter_mut().zip(pair) {
+        for (four, corner) in four.iter_mut().zip(triangle) {
+            for (lanes, coordinate) in four.iter_mut().zip(corner) {
+                lanes[lane] = coordinate;
+            }
+        }
+    }
 }
 
 #[inline(always)]
 pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    Plain.minus(a, b)
 }
 
 #[inline(always)]
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    Plain.dot(a, b)
 }
 
 #[inline(always)]
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// One instruction, where `f64::min` takes several for the sake of NaN, which frames never hold.
-#[inline(always)]
-pub(crate) fn lower(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-pub(crate) fn higher(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    Plain.cross(a, b)
 }
