@@ -1,5 +1,6 @@
 //! The quasi-static solver behind `untangled fix`: from a tangled state to one without intersections, near to it.
 
+mod approach;
 mod candidate;
 mod clusters;
 mod coupled;

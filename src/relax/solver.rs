@@ -13,7 +13,7 @@ use super::{
     goals::{Aim, Goals, Scene},
     guard::Guard,
     orient::Orientation,
-    plan::{Plan, plans, tries},
+    plan::{Patience, Plan, plans, tries},
     shape::{Body, Shape},
 };
 use crate::{
@@ -30,9 +30,6 @@ const RINGS: usize = 14;
 const MEMORY: f64 = 0.3;
 /// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
 const LARGE_STRAIN: f64 = 0.25;
-/// A plan is given up when so many iterations have not taken away this part of what was left before them.
-const PATIENCE: usize = 5;
-const PROGRESS: f64 = 0.25;
 /// Iterations that bring back the shape once nothing intersects any more.
 const SETTLINGS: usize = 4;
 
@@ -121,7 +118,7 @@ impl<'a> Relaxer<'a> {
             let end = match plan {
                 Plan::Motions { aim, inside } => {
                     self.analysis_settings.inside = inside;
-                    self.follow(aim, &mut best, progress)?
+                    self.follow(aim, Patience::with(largest), &mut best, progress)?
                 }
                 Plan::Straighten => self.straighten(&mut best, progress)?,
             };
@@ -154,6 +151,7 @@ impl<'a> Relaxer<'a> {
     fn follow(
         &mut self,
         aim: Aim,
+        patience: Patience,
         best: &mut Best,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
@@ -176,7 +174,7 @@ impl<'a> Relaxer<'a> {
             if self.is_exhausted() {
                 return Ok(End::Exhausted);
             }
-            if iteration > PATIENCE && merits[iteration] > (1.0 - PROGRESS) * merits[iteration - PATIENCE] {
+            if patience.is_over(&merits) {
                 break;
             }
             let worse = merit >= before;

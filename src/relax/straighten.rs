@@ -6,17 +6,13 @@ use nalgebra::Point3;
 
 use super::{
     Iteration, Method, RelaxError,
+    approach::Approach,
     candidate::rounded,
-    damping::Damping,
     domain::Domain,
     membrane::{Factors, Membrane},
     solver::{Best, End, Relaxer},
 };
-use crate::{
-    frame::Frame,
-    intersect::{Intersections, Intersector},
-    mesh::{Mesh, VertexId},
-};
+use crate::mesh::{FaceId, Mesh};
 
 /// Bending stiffnesses, each so much times the one before, from the first on until nothing intersects or the last is reached.
 const FIRST_BENDING: f64 = 0.25;
@@ -27,8 +23,6 @@ const RETURN_STEP: f64 = 0.5;
 const LEAST_BENDING: f64 = 1e-3;
 /// Most local and global steps of an iteration.
 const PASSES: usize = 120;
-/// A motion is damped where it meets something: half as much in each of so many rounds, then not at all in so many more.
-const DAMPING_ROUNDS: [usize; 2] = [2, 10];
 /// The way back goes on while it takes away at least this part of the mean square strain.
 const WORTHWHILE: f64 = 0.03;
 
@@ -48,36 +42,54 @@ impl Relaxer<'_> {
     ) -> Result<End, RelaxError> {
         let mesh = self.mesh;
         let mut domain = Domain::default();
+        let closed = closed_pieces(mesh);
+        let is_open = |face: &FaceId| mesh.piece(*face).is_some_and(|piece| !closed[piece.index()]);
         let faces = self.analyser.last().intersections.segments.iter().flat_map(|segment| segment.faces);
-        domain.grow(mesh, faces.flat_map(|face| mesh.face(face)), usize::MAX);
+        domain.grow(mesh, faces.filter(is_open).flat_map(|face| mesh.face(face)), usize::MAX);
+        if domain.vertices().is_empty() {
+            return Ok(End::Stuck);
+        }
         let mut flat = self.frame.positions().to_vec();
         // What an attempt has stiffened stays stiff in the next.
         let mut membrane = Membrane::of(mesh, &domain, &flat);
         let mut bending = FIRST_BENDING;
-        let mut last = End::Stuck;
-        let mut least = (domain.vertices().len() / LARGEST_SHARE, None);
+        let mut least = Least { limit: domain.vertices().len() / LARGEST_SHARE, kept: None };
+        let mut end = End::Stuck;
         for _ in 0..ATTEMPTS {
-            let mut end = self.flatten(&membrane, &domain, &mut bending, &mut flat, progress)?;
-            if end == End::Clean {
-                let mut positions = flat.clone();
-                end = self.come_back(&mut membrane, &domain, bending / BENDING_STEP, &mut positions, progress)?;
-                let is_beyond = |vertex: &&VertexId| self.guard.is_beyond(mesh, &positions, **vertex);
-                let num_beyond = domain.vertices().iter().filter(is_beyond).count();
-                if num_beyond <= least.0 {
-                    least = (num_beyond, Some(positions));
-                }
+            end = self.flatten(&membrane, &domain, &mut bending, &mut flat, progress)?;
+            if self.analyser.last().intersections.edge_face.is_empty() {
+                self.offer(&domain, &flat, &mut least);
             }
-            last = end;
-            if end != End::Clean || (least.0 == 0 && least.1.is_some()) {
+            if end != End::Clean {
                 break;
             }
+            let mut positions = flat.clone();
+            end =
+                self.come_back(&mut membrane, &domain, bending / BENDING_STEP, &mut positions, &mut least, progress)?;
+            if end != End::Clean || self.num_beyond(&domain, &positions) == 0 {
+                break;
+            }
+            // Flatter again, to come back better.
             self.set_frame(&flat)?;
         }
-        let (_, Some(positions)) = least else {
-            return Ok(if last == End::Clean { End::Stuck } else { last });
+        let Some(positions) = least.kept else {
+            return Ok(if end == End::Clean { End::Stuck } else { end });
         };
         *best = Best { merit: 0.0, positions };
-        Ok(if last == End::Interrupted { last } else { End::Clean })
+        Ok(if end == End::Interrupted { end } else { End::Clean })
+    }
+
+    /// Vertices of a domain that are crushed or overstretched.
+    fn num_beyond(&self, domain: &Domain, positions: &[Point3<f64>]) -> usize {
+        domain.vertices().iter().filter(|vertex| self.guard.is_beyond(self.mesh, positions, **vertex)).count()
+    }
+
+    /// Keeps a clean state if it crushes and overstretches no more than those before: of equals the later, which is nearer to the input.
+    fn offer(&self, domain: &Domain, positions: &[Point3<f64>], least: &mut Least) {
+        let num_beyond = self.num_beyond(domain, positions);
+        if num_beyond <= least.limit {
+            *least = Least { limit: num_beyond, kept: Some(positions.to_vec()) };
+        }
     }
 
     /// Draws what intersects ever flatter, at least once, until nothing does any more.
@@ -93,7 +105,7 @@ impl Relaxer<'_> {
             if self.is_exhausted() {
                 return Ok(End::Exhausted);
             }
-            let factors = (*bending <= LAST_BENDING).then(|| membrane.factorise(*bending, positions)).flatten();
+            let factors = (*bending <= LAST_BENDING).then(|| membrane.factorise(*bending, positions, &[])).flatten();
             let Some(factors) = factors else { return Ok(End::Stuck) };
             *bending *= BENDING_STEP;
             self.bend(membrane, domain, &factors, positions);
@@ -114,29 +126,33 @@ impl Relaxer<'_> {
         domain: &Domain,
         mut bending: f64,
         positions: &mut [Point3<f64>],
+        least: &mut Least,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
-        let mut back = Return::new(self.mesh, domain);
+        let mut approach = Approach::new(self.mesh, domain);
         let mut strain = f64::INFINITY;
-        while !self.is_exhausted() {
+        loop {
+            if self.is_exhausted() {
+                return Ok(End::Exhausted);
+            }
             let now = membrane.strain(positions);
             if bending <= LEAST_BENDING && now > (1.0 - WORTHWHILE) * strain {
-                break;
+                return Ok(End::Clean);
             }
             strain = now;
             membrane.stiffen(positions);
             bending = (bending * RETURN_STEP).max(LEAST_BENDING);
-            let Some(factors) = membrane.factorise(bending, positions) else { break };
+            let Some(factors) = membrane.factorise(bending, positions, approach.holds()) else { return Ok(End::Clean) };
             let mut wanted = positions.to_vec();
             self.bend(membrane, domain, &factors, &mut wanted);
-            if back.approach(positions, &wanted, self.settings.single_precision) {
+            if approach.go(positions, &wanted, self.settings.single_precision) {
+                self.offer(domain, positions, least);
                 self.set_frame(positions)?;
                 if self.report(Method::Straighten, progress).is_break() {
                     return Ok(End::Interrupted);
                 }
             }
         }
-        Ok(End::Clean)
     }
 
     fn bend(&self, membrane: &Membrane<'_>, domain: &Domain, factors: &Factors, positions: &mut [Point3<f64>]) {
@@ -149,56 +165,141 @@ impl Relaxer<'_> {
     }
 }
 
-/// Moves that keep clean what is clean.
-struct Return<'a> {
-    mesh: &'a Mesh,
-    domain: &'a Domain,
-    damping: Damping,
-    frame: Frame,
-    intersector: Intersector,
-    found: Intersections,
-    step: Vec<Point3<f64>>,
+/// The clean state that crushes and overstretches least.
+struct Least {
+    /// How many crushed or overstretched vertices another may have to be kept instead.
+    limit: usize,
+    kept: Option<Vec<Point3<f64>>>,
 }
 
-impl<'a> Return<'a> {
-    fn new(mesh: &'a Mesh, domain: &'a Domain) -> Self {
-        Self {
-            mesh,
-            domain,
-            damping: Damping::default(),
-            frame: Frame::default(),
-            intersector: Intersector::default(),
-            found: Intersections::default(),
-            step: Vec::new(),
+/// For each piece whether it has no boundary. Such a piece is crushed where it is drawn flat, so it stays as it is, and others come apart
+/// from it.
+fn closed_pieces(mesh: &Mesh) -> Vec<bool> {
+    let mut closed = vec![true; mesh.num_pieces()];
+    for face in mesh.face_ids() {
+        if let (Some(piece), Some(edges)) = (mesh.piece(face), mesh.face_edges(face))
+            && edges.into_iter().any(|edge| mesh.is_boundary_edge(edge))
+        {
+            closed[piece.index()] = false;
         }
     }
+    closed
+}
 
-    /// Goes to `wanted` where nothing is met there, and less far elsewhere. False if no step is left without intersections.
-    fn approach(&mut self, positions: &mut [Point3<f64>], wanted: &[Point3<f64>], single_precision: bool) -> bool {
-        let [halving, stopping] = DAMPING_ROUNDS;
-        self.damping.reset(self.domain.vertices().len());
-        for round in 0..=halving + stopping {
-            self.step.clear();
-            self.step.extend_from_slice(positions);
-            for (slot, vertex) in self.domain.vertices().iter().enumerate() {
-                let before = positions[vertex.index()];
-                let point = before + (wanted[vertex.index()] - before) * self.damping.factor(slot);
-                self.step[vertex.index()] = if single_precision { rounded(point) } else { point };
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{mesh::MeshDescription, relax::RelaxSettings};
+
+    /// A strip rolled up so that its second turn goes in and out through its first.
+    fn roll() -> (MeshDescription, Vec<[f64; 3]>) {
+        let (along, across) = (48u32, 8u32);
+        let mut positions = Vec::new();
+        let mut faces = Vec::new();
+        for row in 0..=across {
+            for column in 0..=along {
+                let (u, v) = (f64::from(column) / f64::from(along), f64::from(row) / f64::from(across));
+                let angle = 11.0 * u;
+                let radius = 0.1 + 0.004 * (2.5 * angle).sin() + 0.001 * v;
+                positions.push([radius * angle.cos(), radius * angle.sin(), 0.15 * v]);
+                if row < across && column < along {
+                    let a = row * (along + 1) + column;
+                    faces.push([a, a + 1, a + along + 1]);
+                    faces.push([a + along + 1, a + 1, a + along + 2]);
+                }
             }
-            if self.frame.set(self.mesh, self.step.iter().map(|point| (*point).into())).is_err() {
-                return false;
-            }
-            self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.is_empty() {
-                positions.copy_from_slice(&self.step);
-                return true;
-            }
-            let met = self.found.edge_face.iter().flat_map(|found| {
-                let ([a, b], [c, d, e]): ([VertexId; 2], _) = (self.mesh.edge(found.edge), self.mesh.face(found.face));
-                [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
-            });
-            self.damping.damp(self.mesh, self.domain, met, if round < halving { 0.5 } else { 0.0 });
         }
-        false
+        (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions)
+    }
+
+    /// Straightens within so many iterations, and interrupts where nothing intersects for the first time if asked. Gives back how it
+    /// ended, whether the best state is clean, and what was left after each iteration.
+    fn straightened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
+        let (description, positions) = roll();
+        let mesh = Mesh::new(description).unwrap();
+        let settings = RelaxSettings { max_iterations: most, ..RelaxSettings::default() };
+        let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+        let input = relaxer.frame.positions().to_vec();
+        relaxer.set_frame(&input).unwrap();
+        assert!(relaxer.analyser.last().intersections.edge_face.len() > 20);
+        let mut best = Best { merit: f64::INFINITY, positions: input };
+        let mut left = Vec::new();
+        let mut progress = |step: &Iteration| {
+            left.push(step.num_edge_face_intersections);
+            if interrupt && step.num_edge_face_intersections == 0 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let end = relaxer.straighten(&mut best, &mut progress).unwrap();
+        relaxer.set_frame(&best.positions).unwrap();
+        (end, relaxer.analyser.last().intersections.edge_face.is_empty(), left)
+    }
+
+    #[test]
+    fn a_clean_state_is_given_back_wherever_the_way_back_ends() {
+        let (end, clean, left) = straightened(100, false);
+        assert!(end == End::Clean && clean, "{end:?} {left:?}");
+        let first = left.iter().position(|&left| left == 0).unwrap() + 1;
+        assert!(first + 2 < left.len());
+        for most in first..left.len() {
+            let (end, clean, left) = straightened(most, false);
+            assert!(end == End::Clean && clean, "{most} {end:?} {left:?}");
+        }
+        // Where it is interrupted before the way back, what is flat is all there is.
+        let (end, clean, left) = straightened(100, true);
+        assert!(end == End::Interrupted && clean, "{end:?} {left:?}");
+    }
+
+    #[test]
+    fn of_clean_states_the_one_that_crushes_least_is_kept_and_of_equals_the_last() {
+        let (description, positions) = roll();
+        let mesh = Mesh::new(description).unwrap();
+        let settings = RelaxSettings::default();
+        let relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+        let mut domain = Domain::default();
+        domain.grow(&mesh, mesh.vertex_ids(), 0);
+        let input = relaxer.frame.positions();
+        let scaled = |factor: f64| input.iter().map(|point| point * factor).collect::<Vec<_>>();
+        let mut one_moved = input.to_vec();
+        one_moved[5].x += 1.0;
+        let mut least = Least { limit: 20, kept: None };
+        relaxer.offer(&domain, &scaled(0.1), &mut least);
+        assert!(least.kept.is_none());
+        relaxer.offer(&domain, &one_moved, &mut least);
+        assert!(least.kept.is_some());
+        relaxer.offer(&domain, &scaled(1.1), &mut least);
+        relaxer.offer(&domain, &scaled(0.9), &mut least);
+        relaxer.offer(&domain, &one_moved, &mut least);
+        assert_eq!(least.kept.unwrap(), scaled(0.9));
+    }
+
+    #[test]
+    fn pieces_without_a_boundary_stay_as_they_are() {
+        let (mut description, mut positions) = roll();
+        let open = positions.len();
+        // An octahedron in the inner turn.
+        let first = u32::try_from(open).unwrap();
+        for (axis, sign) in [(0, 1.0), (1, 1.0), (0, -1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
+            let mut place = [0.1, 0.0, 0.07];
+            place[axis] += 0.04 * sign;
+            positions.push(place);
+        }
+        for k in 0..4 {
+            let (a, b) = (first + k, first + (k + 1) % 4);
+            description.faces.extend([[a, b, first + 4], [b, a, first + 5]]);
+        }
+        description.num_vertices = positions.len();
+        let mesh = Mesh::new(description).unwrap();
+        assert_eq!(closed_pieces(&mesh), [false, true]);
+        let settings = RelaxSettings { max_iterations: 30, ..RelaxSettings::default() };
+        let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+        let input = relaxer.frame.positions().to_vec();
+        relaxer.set_frame(&input).unwrap();
+        let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
+        relaxer.straighten(&mut best, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(relaxer.frame.positions()[open..], input[open..]);
+        assert_ne!(relaxer.frame.positions()[..open], input[..open]);
     }
 }
