@@ -19,6 +19,11 @@ pub(super) enum Plan {
 /// minutes, and those goals contradict each other anyway.
 const HOPELESS: usize = 2500;
 
+/// Whether a cluster of so many edge-face intersections is left to straightening.
+pub(super) fn is_hopeless(num_edge_face: usize) -> bool {
+    num_edge_face > HOPELESS
+}
+
 /// Iterations of tangles larger than this take seconds, and those that motions bring apart are seen to give way at once.
 const LARGE: usize = 500;
 
@@ -27,7 +32,7 @@ const LARGE: usize = 500;
 pub(super) fn plans(largest: usize) -> [Plan; 5] {
     let motions = |aim, inside| Plan::Motions { aim, inside };
     let (normal, target) = (motions(Aim::Normal, InsideChoice::Work), motions(Aim::Target, InsideChoice::Work));
-    let [a, b, c] = if largest > HOPELESS {
+    let [a, b, c] = if is_hopeless(largest) {
         [Plan::Straighten, normal, target]
     } else if largest > LARGE {
         [normal, Plan::Straighten, target]

@@ -13,13 +13,14 @@ use super::{
     goals::{Aim, Goals, Scene},
     guard::Guard,
     orient::Orientation,
-    plan::{Patience, Plan, plans, tries},
+    plan::{Patience, Plan, is_hopeless, plans, tries},
     shape::{Body, Shape},
 };
 use crate::{
     analysis::{Analyser, Analysis},
     correspond::Correspondent,
     frame::Frame,
+    intersect::{Intersections, Intersector},
     mesh::Mesh,
     settings::{InsideChoice, Settings},
 };
@@ -103,23 +104,19 @@ impl<'a> Relaxer<'a> {
     ) -> Result<Relaxation, RelaxError> {
         let input = self.frame.positions().to_vec();
         let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
-        self.analyse();
-        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
         let mut interrupted = false;
         let mut reason = "";
-        self.clusters.find(self.mesh, self.analyser.last(), 0);
-        measure(self.mesh, &self.frame, &self.analyser.last().intersections, &self.clusters, &mut self.now);
-        let largest = self.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
+        let largest = self.look();
         for (index, plan) in plans(largest).into_iter().enumerate() {
+            if let Plan::Motions { inside, .. } = plan {
+                self.analysis_settings.inside = inside;
+            }
             if index > 0 {
                 self.parted.clear();
                 self.set_frame(&input)?;
             }
             let end = match plan {
-                Plan::Motions { aim, inside } => {
-                    self.analysis_settings.inside = inside;
-                    self.follow(aim, Patience::with(largest), &mut best, progress)?
-                }
+                Plan::Motions { aim, .. } => self.follow(aim, Patience::with(largest), &mut best, progress)?,
                 Plan::Straighten => self.straighten(&mut best, progress)?,
             };
             reason = match end {
@@ -145,6 +142,28 @@ impl<'a> Relaxer<'a> {
         }
         let positions = self.frame.positions().iter().map(|point| (*point).into()).collect();
         Ok(Relaxation { positions, history: self.history, blocked, interrupted })
+    }
+
+    /// Analyses the input. Gives back the number of edge-face intersections of the cluster of paths that has most.
+    fn look(&mut self) -> usize {
+        let mut found = Intersections::default();
+        Intersector::default().intersect(self.mesh, &self.frame, &mut found);
+        let many = is_hopeless(found.edge_face.len());
+        let wanted = self.analysis_settings.inside;
+        if many {
+            // It tells clusters as well, and of so many paths the other choice takes minutes.
+            self.analysis_settings.inside = InsideChoice::Count;
+        }
+        self.analyse();
+        self.clusters.find(self.mesh, self.analyser.last(), 0);
+        measure(self.mesh, &self.frame, &self.analyser.last().intersections, &self.clusters, &mut self.now);
+        let largest = self.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
+        if many && !is_hopeless(largest) {
+            self.analysis_settings.inside = wanted;
+            self.analyse();
+        }
+        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
+        largest
     }
 
     /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
@@ -210,11 +229,20 @@ impl<'a> Relaxer<'a> {
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let analysis = self.analyser.last();
-        let iteration = Iteration {
-            num_edge_face_intersections: analysis.intersections.edge_face.len(),
-            path_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
-            method,
-        };
+        let num_edge_face = analysis.intersections.edge_face.len();
+        let length_m = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
+        self.note(method, num_edge_face, length_m, progress)
+    }
+
+    /// Notes what an iteration left.
+    pub(super) fn note(
+        &mut self,
+        method: Method,
+        num_edge_face_intersections: usize,
+        path_length_m: f64,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let iteration = Iteration { num_edge_face_intersections, path_length_m, method };
         self.history.push(iteration);
         progress(&iteration)
     }

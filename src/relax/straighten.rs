@@ -7,12 +7,16 @@ use nalgebra::Point3;
 use super::{
     Iteration, Method, RelaxError,
     approach::Approach,
-    candidate::rounded,
+    candidate::{rounded, total},
+    clusters::{Tangle, measure},
     domain::Domain,
     membrane::{Factors, Membrane},
     solver::{Best, End, Relaxer},
 };
-use crate::mesh::{FaceId, Mesh};
+use crate::{
+    intersect::{Intersections, Intersector},
+    mesh::{FaceId, Mesh},
+};
 
 /// Bending stiffnesses, each so much times the one before, from the first on until nothing intersects or the last is reached.
 const FIRST_BENDING: f64 = 0.25;
@@ -55,22 +59,26 @@ impl Relaxer<'_> {
         let mut bending = FIRST_BENDING;
         let mut least = Least { limit: domain.vertices().len() / LARGEST_SHARE, kept: None };
         let mut end = End::Stuck;
+        let mut found = Intersections::default();
         for _ in 0..ATTEMPTS {
-            end = self.flatten(&membrane, &domain, &mut bending, &mut flat, progress)?;
-            if self.analyser.last().intersections.edge_face.is_empty() {
-                self.offer(&domain, &flat, &mut least);
-            }
-            if end != End::Clean {
-                break;
+            end = self.flatten(&membrane, &domain, &mut bending, &mut flat, &mut found, progress)?;
+            let mut own = Least { limit: least.limit, kept: None };
+            if matches!(end, End::Clean | End::Interrupted) && found.edge_face.is_empty() {
+                self.offer(&domain, &flat, &mut own);
             }
             let mut positions = flat.clone();
-            end =
-                self.come_back(&mut membrane, &domain, bending / BENDING_STEP, &mut positions, &mut least, progress)?;
+            if end == End::Clean {
+                let bending = bending / BENDING_STEP;
+                end = self.come_back(&mut membrane, &domain, bending, &mut positions, &mut own, progress)?;
+            }
+            // An attempt that was cut short may have come back less far than one that is equally good.
+            if own.kept.is_some() && (least.kept.is_none() || own.limit < least.limit || end == End::Clean) {
+                least = own;
+            }
             if end != End::Clean || self.num_beyond(&domain, &positions) == 0 {
                 break;
             }
             // Flatter again, to come back better.
-            self.set_frame(&flat)?;
         }
         let Some(positions) = least.kept else {
             return Ok(if end == End::Clean { End::Stuck } else { end });
@@ -99,8 +107,11 @@ impl Relaxer<'_> {
         domain: &Domain,
         bending: &mut f64,
         positions: &mut [Point3<f64>],
+        found: &mut Intersections,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
+        // Paths and regions are not needed here, and of a tangle that is hopeless they take longer than all the rest.
+        let mut intersector = Intersector::default();
         loop {
             if self.is_exhausted() {
                 return Ok(End::Exhausted);
@@ -109,11 +120,14 @@ impl Relaxer<'_> {
             let Some(factors) = factors else { return Ok(End::Stuck) };
             *bending *= BENDING_STEP;
             self.bend(membrane, domain, &factors, positions);
-            self.set_frame(positions)?;
-            if self.report(Method::Straighten, progress).is_break() {
+            self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
+            intersector.intersect(self.mesh, &self.frame, found);
+            measure(self.mesh, &self.frame, found, &self.first_clusters, &mut self.now);
+            let Tangle { num_edge_face, length_m, .. } = total(&self.now);
+            if self.note(Method::Straighten, num_edge_face, length_m, progress).is_break() {
                 return Ok(End::Interrupted);
             }
-            if self.analyser.last().intersections.edge_face.is_empty() {
+            if num_edge_face == 0 {
                 return Ok(End::Clean);
             }
         }
@@ -147,8 +161,7 @@ impl Relaxer<'_> {
             self.bend(membrane, domain, &factors, &mut wanted);
             if approach.go(positions, &wanted, self.settings.single_precision) {
                 self.offer(domain, positions, least);
-                self.set_frame(positions)?;
-                if self.report(Method::Straighten, progress).is_break() {
+                if self.note(Method::Straighten, 0, 0.0, progress).is_break() {
                     return Ok(End::Interrupted);
                 }
             }
@@ -247,6 +260,8 @@ mod tests {
             let (end, clean, left) = straightened(most, false);
             assert!(end == End::Clean && clean, "{most} {end:?} {left:?}");
         }
+        let (end, clean, _) = straightened(0, false);
+        assert!(end == End::Exhausted && !clean, "{end:?}");
         // Where it is interrupted before the way back, what is flat is all there is.
         let (end, clean, left) = straightened(100, true);
         assert!(end == End::Interrupted && clean, "{end:?} {left:?}");
