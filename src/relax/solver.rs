@@ -6,8 +6,9 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    BlockedPath, Iteration, Method, RelaxError, RelaxSettings, Relaxation,
-    candidate::{Candidate, Trial, Try, total},
+    Iteration, Method, RelaxError, RelaxSettings, Relaxation,
+    blocked::blocked_paths,
+    candidate::{Candidate, Trial, Try, choose, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
     goals::{Aim, Goals, Scene},
@@ -29,8 +30,6 @@ use crate::{
 const RINGS: usize = 14;
 /// From the second iteration on, edges are drawn this far towards their shape in the input.
 const MEMORY: f64 = 0.3;
-/// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
-const LARGE_STRAIN: f64 = 0.25;
 /// Iterations that bring back the shape once nothing intersects any more.
 const SETTLINGS: usize = 4;
 
@@ -105,7 +104,7 @@ impl<'a> Relaxer<'a> {
         let input = self.frame.positions().to_vec();
         let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
         let mut interrupted = false;
-        let mut reason = "";
+        let mut end = End::Clean;
         let largest = self.look();
         for (index, plan) in plans(largest).into_iter().enumerate() {
             if let Plan::Motions { inside, .. } = plan {
@@ -115,15 +114,9 @@ impl<'a> Relaxer<'a> {
                 self.parted.clear();
                 self.set_frame(&input)?;
             }
-            let end = match plan {
+            end = match plan {
                 Plan::Motions { aim, .. } => self.follow(aim, Patience::with(largest), &mut best, progress)?,
                 Plan::Straighten => self.straighten(&mut best, progress)?,
-            };
-            reason = match end {
-                End::Clean => "",
-                End::Exhausted => "the largest number of iterations was reached",
-                End::Stuck => "no motion left it shorter without crushing or overstretching the cloth",
-                End::Interrupted => "the work was interrupted",
             };
             interrupted = end == End::Interrupted;
             if end != End::Stuck {
@@ -131,7 +124,7 @@ impl<'a> Relaxer<'a> {
             }
         }
         self.set_frame(&best.positions)?;
-        let blocked = blocked_paths(self.mesh, self.analyser.last(), reason);
+        let blocked = blocked_paths(self.mesh, self.analyser.last(), end);
         if blocked.is_empty() && !self.history.is_empty() {
             for _ in 0..SETTLINGS {
                 if interrupted || !self.settle()? {
@@ -298,22 +291,6 @@ impl<'a> Relaxer<'a> {
     }
 }
 
-/// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
-/// none is better than staying, unless something must change.
-fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change: bool) -> Option<usize> {
-    let must_change = must_change && !now[cluster].is_none();
-    let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
-    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
-        let strain = candidate.best.strains[cluster];
-        let merit = candidate.best.tangles[cluster].merit() * (1.0 + (strain - LARGE_STRAIN).max(0.0));
-        let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
-        if merit < best.0 || (merit <= best.0 && calmer) {
-            best = (merit, strain, Some(index));
-        }
-    }
-    best.2
-}
-
 /// Marks where the sheets are to pass through each other: along the paths and inside of them.
 fn spare(mesh: &Mesh, analysis: &Analysis, spared: &mut Vec<bool>) {
     spared.clear();
@@ -337,16 +314,4 @@ fn edge_length_m(mesh: &Mesh, frame: &Frame, analysis: &Analysis) -> f64 {
         count += 3.0;
     }
     if count > 0.0 { sum / count } else { 0.0 }
-}
-
-fn blocked_paths(mesh: &Mesh, analysis: &Analysis, reason: &str) -> Vec<BlockedPath> {
-    let pairs = analysis.paths.pairs.iter();
-    pairs
-        .map(|pair| {
-            let first = &analysis.paths.copies[pair.copies.start];
-            let face = analysis.paths.segments[first.segments.start].own;
-            let vertex = mesh.face(face)[0].0;
-            BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
-        })
-        .collect()
 }
