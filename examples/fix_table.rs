@@ -2,13 +2,13 @@
 //!
 //! ```sh
 //! cargo run --release --example fix_table -- [--quality fast|balanced|accurate] [--most N] [--motions N] [--subdivide N]
-//!     [--no-uvs] [--crumple SQUARES] [--frequency F] [--seed N] [--curve] FILE...
+//!     [--no-uvs] [--crumple SQUARES] [--frequency F] [--seed N] [--curve] [--watch] FILE...
 //! ```
 //!
 //! `--subdivide N` splits every triangle in four, N times, before; `--motions N` takes every mesh N times, each under another random
 //! rigid motion and scale. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods; `--curve` prints what is left after
-//! each iteration.
-#![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
+//! each iteration, `--watch` says it on standard error while it works, with the seconds since the start.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to whoever runs it")]
 
 use std::{collections::HashMap, env, error::Error, ops::ControlFlow, time::Instant};
 
@@ -23,7 +23,7 @@ use untangled::{
     frame::Frame,
     io::{concatenate, read_mesh},
     mesh::{Mesh, MeshDescription, Uvs},
-    relax::{Quality, RelaxSettings, relax},
+    relax::{Iteration, Quality, RelaxSettings, relax},
 };
 use untangled_publisher::check::count_edge_face;
 
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut motions, mut levels, mut strip_uvs) = (0u64, 0, false);
     let mut files = Vec::new();
     let mut crumples: Vec<u32> = Vec::new();
-    let (mut frequency, mut seed, mut curve) = (1.6, 1, false);
+    let (mut frequency, mut seed, mut show) = (1.6, 1, Show::default());
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
@@ -49,7 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--crumple" => crumples.push(value()?.parse()?),
             "--frequency" => frequency = value()?.parse()?,
             "--seed" => seed = value()?.parse()?,
-            "--curve" => curve = true,
+            "--curve" => show.curve = true,
+            "--watch" => show.watch = true,
             _ => files.push(argument),
         }
     }
@@ -67,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &description,
             &positions,
             &settings,
-            curve,
+            show,
         )?);
     }
     for file in files {
@@ -89,11 +90,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         };
         if motions == 0 {
-            rows.push(run(&name, &mesh, &description, &positions, &settings, curve)?);
+            rows.push(run(&name, &mesh, &description, &positions, &settings, show)?);
         }
         for seed in 0..motions {
             let moved = motion(seed, &positions);
-            rows.push(run(&format!("{name} #{seed}"), &mesh, &description, &moved, &settings, curve)?);
+            rows.push(run(&format!("{name} #{seed}"), &mesh, &description, &moved, &settings, show)?);
         }
     }
     let clean = rows.iter().filter(|row| row.after == 0).count();
@@ -109,6 +110,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// What is said beside the table.
+#[derive(Clone, Copy, Default)]
+struct Show {
+    curve: bool,
+    watch: bool,
+}
+
 struct Row {
     after: usize,
     iterations: usize,
@@ -121,7 +129,7 @@ fn run(
     description: &MeshDescription,
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
-    curve: bool,
+    show: Show,
 ) -> Result<Row, Box<dyn Error>> {
     if let Err(error) = Frame::new(mesh, positions) {
         println!("{name:<28} {error}");
@@ -129,7 +137,13 @@ fn run(
     }
     let before = count_edge_face(positions, &description.faces).unwrap_or(usize::MAX);
     let start = Instant::now();
-    let relaxation = relax(mesh, positions, settings, &mut |_| ControlFlow::Continue(()))?;
+    let relaxation = relax(mesh, positions, settings, &mut |step| {
+        if show.watch {
+            let Iteration { num_edge_face_intersections: left, path_length_m, method } = step;
+            eprintln!("{:>8.1} s {left:>8} {path_length_m:>10.4} m {method:?}", start.elapsed().as_secs_f64());
+        }
+        ControlFlow::Continue(())
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     let after = count_edge_face(&relaxation.positions, &description.faces).unwrap_or(usize::MAX);
     let point = |positions: &[[f64; 3]], vertex: u32| Point3::from(positions[vertex as usize]);
@@ -166,7 +180,7 @@ fn run(
     println!(
         "{name:<28} {before:>8} {after:>6} {iterations:>6} {seconds:>8.2} {shortest:>8.3} {longest:>8.3} {smallest:>8.3} {moved:>8.4}"
     );
-    if curve {
+    if show.curve {
         let left =
             relaxation.history.iter().map(|step| format!("{} {:?}", step.num_edge_face_intersections, step.method));
         println!("  {}", left.collect::<Vec<_>>().join(", ").to_lowercase());

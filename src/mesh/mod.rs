@@ -195,6 +195,22 @@ impl Mesh {
         self.is_solid_piece[piece.index()]
     }
 
+    /// For each piece whether it has no boundary edge.
+    ///
+    /// Cost: a look at all faces.
+    #[must_use]
+    pub fn closed_pieces(&self) -> Vec<bool> {
+        let mut closed = vec![true; self.num_pieces];
+        for face in self.face_ids() {
+            if let (Some(piece), Some(edges)) = (self.piece(face), self.face_edges(face))
+                && edges.into_iter().any(|edge| self.is_boundary_edge(edge))
+            {
+                closed[piece.index()] = false;
+            }
+        }
+        closed
+    }
+
     /// Texture coordinates, if there are any.
     #[must_use]
     pub fn uvs(&self) -> Option<&Uvs> {

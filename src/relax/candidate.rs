@@ -23,6 +23,8 @@ const LONGEST: f64 = 6.0;
 const CONTACT_ROUNDS: usize = 2;
 /// Gap that is kept from an obstacle, as a part of the edge that ran into it.
 const CONTACT_GAP: f64 = 0.3;
+/// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
+const LARGE_STRAIN: f64 = 0.25;
 /// How often a motion that helps nothing is halved.
 const HALVINGS: usize = 3;
 /// Motions are damped round what they would crush: half as much in each of so many rounds, then not at all in so many more.
@@ -232,6 +234,22 @@ impl Candidate {
             }
         }
     }
+}
+
+/// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
+/// none is better than staying, unless something must change.
+pub(super) fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change: bool) -> Option<usize> {
+    let must_change = must_change && !now[cluster].is_none();
+    let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
+        let strain = candidate.best.strains[cluster];
+        let merit = candidate.best.tangles[cluster].merit() * (1.0 + (strain - LARGE_STRAIN).max(0.0));
+        let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
+        if merit < best.0 || (merit <= best.0 && calmer) {
+            best = (merit, strain, Some(index));
+        }
+    }
+    best.2
 }
 
 /// The sum over all clusters.

@@ -114,8 +114,7 @@ impl Clusters {
 
     /// The cluster of a vertex, if there is one near.
     pub(super) fn of(&self, vertex: VertexId) -> Option<usize> {
-        let label = self.label[vertex.index()];
-        (label != NONE).then_some(label as usize)
+        self.label.get(vertex.index()).filter(|&&label| label != NONE).map(|&label| label as usize)
     }
 }
 

@@ -19,8 +19,10 @@ use crate::mesh::{Mesh, VertexId};
 
 /// Cotangents are limited to this and its inverse.
 const SMALLEST_WEIGHT: f64 = 0.2;
-/// Triangles whose sides change their length by more than this factor are made stiffer, each time by the other.
+/// Triangles whose sides change their length by more than this factor, or that keep less than this part of their area (thin ones may, with
+/// sides that hardly change), are made stiffer, each time by the other factor.
 const TOLERATED: f64 = 1.5;
+const TOLERATED_AREA: f64 = 0.5;
 const STIFFENING: f64 = 2.0;
 /// Small triangles are as much stiffer as they are smaller than the mean, up to this factor.
 const LARGEST_EMPHASIS: f64 = 1000.0;
@@ -107,10 +109,12 @@ impl<'a> Membrane<'a> {
         Self { domain, elements, rows, spacing_m: mean.sqrt() }
     }
 
-    /// Factorises; nothing where the numbers don't allow it. `at` says where vertices are that don't move.
-    pub(super) fn factorise(&self, bending: f64, at: &[Point3<f64>]) -> Option<Factors> {
+    /// Factorises; nothing where the numbers don't allow it. `at` says where vertices are that don't move, and where others are held: those of
+    /// the domain with the strength of their entry in `holds`, in units of what their triangles hold them with; none without entries.
+    pub(super) fn factorise(&self, bending: f64, at: &[Point3<f64>], holds: &[f64]) -> Option<Factors> {
         let size = self.domain.vertices().len();
         let mut fixed = vec![Vector3::zeros(); size];
+        let mut own = vec![0.0; size];
         let mut entries: Vec<_> = (0..size).map(|slot| Triplet { row: slot, col: slot, val: ANCHOR }).collect();
         let mut add = |row: VertexId, col: VertexId, value: f64| {
             let Some(row) = self.domain.local(row) else { return };
@@ -128,12 +132,24 @@ impl<'a> Membrane<'a> {
                 }
             }
         }
+        for Element { corners, weights, .. } in &self.elements {
+            for (corner, vertex) in corners.iter().enumerate() {
+                if let Some(slot) = self.domain.local(*vertex) {
+                    own[slot] += weights[(corner + 1) % 3] + weights[(corner + 2) % 3];
+                }
+            }
+        }
         for row in &self.rows {
             for &(first, a) in row {
                 for &(second, b) in row {
                     add(first, second, bending * a * b);
                 }
             }
+        }
+        for (slot, (hold, own)) in holds.iter().zip(&own).enumerate() {
+            let strength = hold * own;
+            entries.push(Triplet { row: slot, col: slot, val: strength });
+            fixed[slot] += at[self.domain.vertices()[slot].index()].coords * strength;
         }
         let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?;
         Some(Factors { factors: self.domain.factorise(&matrix)?, fixed })
@@ -177,11 +193,11 @@ impl<'a> Membrane<'a> {
         }
     }
 
-    /// Makes triangles stiffer that are strained.
+    /// Makes triangles stiffer that are strained or crushed.
     pub(super) fn stiffen(&mut self, positions: &[Point3<f64>]) {
         for element in &mut self.elements {
             let strained = element.strains(positions).any(|strain| strain.abs() > TOLERATED.ln());
-            if strained && element.emphasis < LARGEST_EMPHASIS {
+            if (strained || element.is_crushed(positions)) && element.emphasis < LARGEST_EMPHASIS {
                 element.emphasise(STIFFENING);
             }
         }
@@ -227,6 +243,11 @@ impl Element {
             ((b - a).norm() / side.norm()).ln()
         });
         strains.filter(|strain| strain.is_finite())
+    }
+
+    fn is_crushed(&self, positions: &[Point3<f64>]) -> bool {
+        let [a, b, c] = self.corners.map(|vertex| positions[vertex.index()]);
+        0.5 * (b - a).cross(&(c - a)).norm() < TOLERATED_AREA * self.area()
     }
 
     fn area(&self) -> f64 {

@@ -24,7 +24,7 @@ const ROUNDS: usize = 4;
 const EMPHASIS: f64 = 2.0;
 const LARGEST_EMPHASIS: f64 = 1000.0;
 const MOST_STEPS: usize = 60;
-/// Conjugate gradients end at this part of the first residual.
+/// Conjugate gradients end at this part of the first residual of a round.
 const ACCURACY: f64 = 1e-3;
 
 /// Memory of the solver.
@@ -78,13 +78,15 @@ impl MotionSolver {
         }
         for round in 0..if again { 1 } else { ROUNDS } {
             let Some(factors) = Stiffness::factorise(body, stiffness, &self.emphasis) else { return false };
+            // Passes begin where the last one ended: what is left to them gets ever less, and is not worth more digits.
+            let mut target = None;
             for _ in 0..PASSES {
                 self.before.copy_from_slice(&self.motion);
                 factors.force(body, &self.motion, &self.emphasis, &mut self.rotations, &mut self.force);
                 let motion = &self.motion;
                 self.active.clear();
                 self.active.extend(self.goals.rows().map(|(row, wanted_m)| reached(row, motion) < wanted_m));
-                self.descend(&factors);
+                self.descend(&factors, &mut target);
                 if self.is_settled() {
                     break;
                 }
@@ -126,7 +128,7 @@ impl MotionSolver {
     }
 
     /// Conjugate gradients on `(A + W B^T B) d = force + W B^T wanted`, from the present motion, over the acting goals.
-    fn descend(&mut self, stiffness: &Stiffness) {
+    fn descend(&mut self, stiffness: &Stiffness, target: &mut Option<f64>) {
         stiffness.multiply(&self.motion, &mut self.image);
         for (residual, (force, image)) in self.residual.iter_mut().zip(self.force.iter().zip(&self.image)) {
             *residual = force - image;
@@ -141,7 +143,7 @@ impl MotionSolver {
         stiffness.solve(&mut self.precond, &mut self.scratch);
         self.search.copy_from_slice(&self.precond);
         let mut product = dot(&self.residual, &self.precond);
-        let target = product * ACCURACY * ACCURACY;
+        let target = *target.get_or_insert(product * ACCURACY * ACCURACY);
         for _ in 0..MOST_STEPS {
             if product <= target || product <= 0.0 {
                 break;

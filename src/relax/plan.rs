@@ -19,15 +19,49 @@ pub(super) enum Plan {
 /// minutes, and those goals contradict each other anyway.
 const HOPELESS: usize = 2500;
 
+/// Whether a cluster of so many edge-face intersections is left to straightening.
+pub(super) fn is_hopeless(num_edge_face: usize) -> bool {
+    num_edge_face > HOPELESS
+}
+
+/// Iterations of tangles larger than this take seconds, and those that motions bring apart are seen to give way at once.
+const LARGE: usize = 500;
+
 /// The ways to go: where one ends stuck, the next begins again from the input. `largest` is the number of edge-face intersections of the
 /// cluster of paths that has most.
 pub(super) fn plans(largest: usize) -> [Plan; 5] {
     let motions = |aim, inside| Plan::Motions { aim, inside };
     let (normal, target) = (motions(Aim::Normal, InsideChoice::Work), motions(Aim::Target, InsideChoice::Work));
-    let first =
-        if largest > HOPELESS { [Plan::Straighten, normal, target] } else { [normal, target, Plan::Straighten] };
-    let [a, b, c] = first;
+    let [a, b, c] = if is_hopeless(largest) {
+        [Plan::Straighten, normal, target]
+    } else if largest > LARGE {
+        [normal, Plan::Straighten, target]
+    } else {
+        [normal, target, Plan::Straighten]
+    };
     [a, b, c, motions(Aim::Normal, InsideChoice::Count), motions(Aim::Target, InsideChoice::Count)]
+}
+
+/// A plan is given up when this many iterations have taken away too small a part of what was left before them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patience {
+    num_iterations: usize,
+    /// What has to be left at most, as a part.
+    left: f64,
+}
+
+impl Patience {
+    /// About the same pace for all tangles, but looked at sooner where an iteration takes long.
+    pub(super) fn with(largest: usize) -> Self {
+        if largest > LARGE { Self { num_iterations: 2, left: 0.9 } } else { Self { num_iterations: 5, left: 0.75 } }
+    }
+
+    /// Whether the last of these merits, one for each state, show too little progress. The first iteration, which keeps no shape, does not
+    /// count.
+    pub(super) fn is_over(self, merits: &[f64]) -> bool {
+        let now = merits.len() - 1;
+        now > self.num_iterations && merits[now] > self.left * merits[now - self.num_iterations]
+    }
 }
 
 /// The motions that are tried; `widen` adds those of the other aims.

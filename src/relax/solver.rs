@@ -6,20 +6,22 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    BlockedPath, Iteration, Method, RelaxError, RelaxSettings, Relaxation,
-    candidate::{Candidate, Trial, Try, total},
+    Iteration, Method, RelaxError, RelaxSettings, Relaxation,
+    blocked::blocked_paths,
+    candidate::{Candidate, Trial, Try, choose, total},
     clusters::{Clusters, Tangle, measure},
     domain::Domain,
     goals::{Aim, Goals, Scene},
     guard::Guard,
     orient::Orientation,
-    plan::{Plan, plans, tries},
+    plan::{Patience, Plan, is_hopeless, plans, tries},
     shape::{Body, Shape},
 };
 use crate::{
     analysis::{Analyser, Analysis},
     correspond::Correspondent,
     frame::Frame,
+    intersect::{Intersections, Intersector},
     mesh::Mesh,
     settings::{InsideChoice, Settings},
 };
@@ -28,11 +30,6 @@ use crate::{
 const RINGS: usize = 14;
 /// From the second iteration on, edges are drawn this far towards their shape in the input.
 const MEMORY: f64 = 0.3;
-/// Strains beyond this logarithm count against a state that still intersects: what is crushed now gets in the way of the next motion.
-const LARGE_STRAIN: f64 = 0.25;
-/// A plan is given up when so many iterations have not taken away this part of what was left before them.
-const PATIENCE: usize = 5;
-const PROGRESS: f64 = 0.25;
 /// Iterations that bring back the shape once nothing intersects any more.
 const SETTLINGS: usize = 4;
 
@@ -106,30 +103,20 @@ impl<'a> Relaxer<'a> {
     ) -> Result<Relaxation, RelaxError> {
         let input = self.frame.positions().to_vec();
         let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
-        self.analyse();
-        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
         let mut interrupted = false;
-        let mut reason = "";
-        self.clusters.find(self.mesh, self.analyser.last(), 0);
-        measure(self.mesh, &self.frame, &self.analyser.last().intersections, &self.clusters, &mut self.now);
-        let largest = self.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
+        let mut end = End::Clean;
+        let largest = self.look();
         for (index, plan) in plans(largest).into_iter().enumerate() {
+            if let Plan::Motions { inside, .. } = plan {
+                self.analysis_settings.inside = inside;
+            }
             if index > 0 {
                 self.parted.clear();
                 self.set_frame(&input)?;
             }
-            let end = match plan {
-                Plan::Motions { aim, inside } => {
-                    self.analysis_settings.inside = inside;
-                    self.follow(aim, &mut best, progress)?
-                }
+            end = match plan {
+                Plan::Motions { aim, .. } => self.follow(aim, Patience::with(largest), &mut best, progress)?,
                 Plan::Straighten => self.straighten(&mut best, progress)?,
-            };
-            reason = match end {
-                End::Clean => "",
-                End::Exhausted => "the largest number of iterations was reached",
-                End::Stuck => "no motion left it shorter without crushing or overstretching the cloth",
-                End::Interrupted => "the work was interrupted",
             };
             interrupted = end == End::Interrupted;
             if end != End::Stuck {
@@ -137,7 +124,7 @@ impl<'a> Relaxer<'a> {
             }
         }
         self.set_frame(&best.positions)?;
-        let blocked = blocked_paths(self.mesh, self.analyser.last(), reason);
+        let blocked = blocked_paths(self.mesh, self.analyser.last(), end);
         if blocked.is_empty() && !self.history.is_empty() {
             for _ in 0..SETTLINGS {
                 if interrupted || !self.settle()? {
@@ -150,10 +137,33 @@ impl<'a> Relaxer<'a> {
         Ok(Relaxation { positions, history: self.history, blocked, interrupted })
     }
 
+    /// Analyses the input. Gives back the number of edge-face intersections of the cluster of paths that has most.
+    fn look(&mut self) -> usize {
+        let mut found = Intersections::default();
+        Intersector::default().intersect(self.mesh, &self.frame, &mut found);
+        let many = is_hopeless(found.edge_face.len());
+        let wanted = self.analysis_settings.inside;
+        if many {
+            // It tells clusters as well, and of so many paths the other choice takes minutes.
+            self.analysis_settings.inside = InsideChoice::Count;
+        }
+        self.analyse();
+        self.clusters.find(self.mesh, self.analyser.last(), 0);
+        measure(self.mesh, &self.frame, &self.analyser.last().intersections, &self.clusters, &mut self.now);
+        let largest = self.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
+        if many && !is_hopeless(largest) {
+            self.analysis_settings.inside = wanted;
+            self.analyse();
+        }
+        self.first_clusters.find(self.mesh, self.analyser.last(), usize::MAX / 2);
+        largest
+    }
+
     /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
     fn follow(
         &mut self,
         aim: Aim,
+        patience: Patience,
         best: &mut Best,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
@@ -176,7 +186,7 @@ impl<'a> Relaxer<'a> {
             if self.is_exhausted() {
                 return Ok(End::Exhausted);
             }
-            if iteration > PATIENCE && merits[iteration] > (1.0 - PROGRESS) * merits[iteration - PATIENCE] {
+            if patience.is_over(&merits) {
                 break;
             }
             let worse = merit >= before;
@@ -212,11 +222,20 @@ impl<'a> Relaxer<'a> {
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let analysis = self.analyser.last();
-        let iteration = Iteration {
-            num_edge_face_intersections: analysis.intersections.edge_face.len(),
-            path_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
-            method,
-        };
+        let num_edge_face = analysis.intersections.edge_face.len();
+        let length_m = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
+        self.note(method, num_edge_face, length_m, progress)
+    }
+
+    /// Notes what an iteration left.
+    pub(super) fn note(
+        &mut self,
+        method: Method,
+        num_edge_face_intersections: usize,
+        path_length_m: f64,
+        progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let iteration = Iteration { num_edge_face_intersections, path_length_m, method };
         self.history.push(iteration);
         progress(&iteration)
     }
@@ -272,22 +291,6 @@ impl<'a> Relaxer<'a> {
     }
 }
 
-/// The candidate that leaves a cluster least tangled, and of those that leave it clean the one with the least strain. Nothing if
-/// none is better than staying, unless something must change.
-fn choose(candidates: &[Candidate], now: &[Tangle], cluster: usize, must_change: bool) -> Option<usize> {
-    let must_change = must_change && !now[cluster].is_none();
-    let mut best = (if must_change { f64::INFINITY } else { now[cluster].merit() }, f64::INFINITY, None);
-    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.usable) {
-        let strain = candidate.best.strains[cluster];
-        let merit = candidate.best.tangles[cluster].merit() * (1.0 + (strain - LARGE_STRAIN).max(0.0));
-        let calmer = best.2.is_some() && candidate.best.tangles[cluster].is_none() && strain < best.1;
-        if merit < best.0 || (merit <= best.0 && calmer) {
-            best = (merit, strain, Some(index));
-        }
-    }
-    best.2
-}
-
 /// Marks where the sheets are to pass through each other: along the paths and inside of them.
 fn spare(mesh: &Mesh, analysis: &Analysis, spared: &mut Vec<bool>) {
     spared.clear();
@@ -311,16 +314,4 @@ fn edge_length_m(mesh: &Mesh, frame: &Frame, analysis: &Analysis) -> f64 {
         count += 3.0;
     }
     if count > 0.0 { sum / count } else { 0.0 }
-}
-
-fn blocked_paths(mesh: &Mesh, analysis: &Analysis, reason: &str) -> Vec<BlockedPath> {
-    let pairs = analysis.paths.pairs.iter();
-    pairs
-        .map(|pair| {
-            let first = &analysis.paths.copies[pair.copies.start];
-            let face = analysis.paths.segments[first.segments.start].own;
-            let vertex = mesh.face(face)[0].0;
-            BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
-        })
-        .collect()
 }

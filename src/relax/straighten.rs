@@ -6,16 +6,16 @@ use nalgebra::Point3;
 
 use super::{
     Iteration, Method, RelaxError,
-    candidate::rounded,
-    damping::Damping,
+    approach::Approach,
+    candidate::{rounded, total},
+    clusters::{Tangle, measure},
     domain::Domain,
     membrane::{Factors, Membrane},
     solver::{Best, End, Relaxer},
 };
 use crate::{
-    frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::{Mesh, VertexId},
+    mesh::FaceId,
 };
 
 /// Bending stiffnesses, each so much times the one before, from the first on until nothing intersects or the last is reached.
@@ -27,8 +27,6 @@ const RETURN_STEP: f64 = 0.5;
 const LEAST_BENDING: f64 = 1e-3;
 /// Most local and global steps of an iteration.
 const PASSES: usize = 120;
-/// A motion is damped where it meets something: half as much in each of so many rounds, then not at all in so many more.
-const DAMPING_ROUNDS: [usize; 2] = [2, 10];
 /// The way back goes on while it takes away at least this part of the mean square strain.
 const WORTHWHILE: f64 = 0.03;
 
@@ -48,36 +46,59 @@ impl Relaxer<'_> {
     ) -> Result<End, RelaxError> {
         let mesh = self.mesh;
         let mut domain = Domain::default();
+        // A piece without a boundary would be crushed: it stays as it is, and others come apart from it.
+        let closed = mesh.closed_pieces();
+        let is_open = |face: &FaceId| mesh.piece(*face).is_some_and(|piece| !closed[piece.index()]);
         let faces = self.analyser.last().intersections.segments.iter().flat_map(|segment| segment.faces);
-        domain.grow(mesh, faces.flat_map(|face| mesh.face(face)), usize::MAX);
+        domain.grow(mesh, faces.filter(is_open).flat_map(|face| mesh.face(face)), usize::MAX);
+        if domain.vertices().is_empty() {
+            return Ok(End::Stuck);
+        }
         let mut flat = self.frame.positions().to_vec();
         // What an attempt has stiffened stays stiff in the next.
         let mut membrane = Membrane::of(mesh, &domain, &flat);
         let mut bending = FIRST_BENDING;
-        let mut last = End::Stuck;
-        let mut least = (domain.vertices().len() / LARGEST_SHARE, None);
+        let mut least = Least { limit: domain.vertices().len() / LARGEST_SHARE, kept: None };
+        let mut end = End::Stuck;
+        let mut found = Intersections::default();
         for _ in 0..ATTEMPTS {
-            let mut end = self.flatten(&membrane, &domain, &mut bending, &mut flat, progress)?;
-            if end == End::Clean {
-                let mut positions = flat.clone();
-                end = self.come_back(&mut membrane, &domain, bending / BENDING_STEP, &mut positions, progress)?;
-                let is_beyond = |vertex: &&VertexId| self.guard.is_beyond(mesh, &positions, **vertex);
-                let num_beyond = domain.vertices().iter().filter(is_beyond).count();
-                if num_beyond <= least.0 {
-                    least = (num_beyond, Some(positions));
-                }
+            end = self.flatten(&membrane, &domain, &mut bending, &mut flat, &mut found, progress)?;
+            let mut own = Least { limit: least.limit, kept: None };
+            if matches!(end, End::Clean | End::Interrupted) && found.edge_face.is_empty() {
+                self.offer(&domain, &flat, &mut own);
             }
-            last = end;
-            if end != End::Clean || (least.0 == 0 && least.1.is_some()) {
+            let mut positions = flat.clone();
+            if end == End::Clean {
+                let bending = bending / BENDING_STEP;
+                end = self.come_back(&mut membrane, &domain, bending, &mut positions, &mut own, progress)?;
+            }
+            // An attempt that was cut short may have come back less far than one that is equally good.
+            if own.kept.is_some() && (least.kept.is_none() || own.limit < least.limit || end == End::Clean) {
+                least = own;
+            }
+            if end != End::Clean || self.num_beyond(&domain, &positions) == 0 {
                 break;
             }
-            self.set_frame(&flat)?;
+            // Flatter again, to come back better.
         }
-        let (_, Some(positions)) = least else {
-            return Ok(if last == End::Clean { End::Stuck } else { last });
+        let Some(positions) = least.kept else {
+            return Ok(if end == End::Clean { End::Stuck } else { end });
         };
         *best = Best { merit: 0.0, positions };
-        Ok(if last == End::Interrupted { last } else { End::Clean })
+        Ok(if end == End::Interrupted { end } else { End::Clean })
+    }
+
+    /// Vertices of a domain that are crushed or overstretched.
+    fn num_beyond(&self, domain: &Domain, positions: &[Point3<f64>]) -> usize {
+        domain.vertices().iter().filter(|vertex| self.guard.is_beyond(self.mesh, positions, **vertex)).count()
+    }
+
+    /// Keeps a clean state if it crushes and overstretches no more than those before: of equals the later, which is nearer to the input.
+    fn offer(&self, domain: &Domain, positions: &[Point3<f64>], least: &mut Least) {
+        let num_beyond = self.num_beyond(domain, positions);
+        if num_beyond <= least.limit {
+            *least = Least { limit: num_beyond, kept: Some(positions.to_vec()) };
+        }
     }
 
     /// Draws what intersects ever flatter, at least once, until nothing does any more.
@@ -87,21 +108,27 @@ impl Relaxer<'_> {
         domain: &Domain,
         bending: &mut f64,
         positions: &mut [Point3<f64>],
+        found: &mut Intersections,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
+        // Paths and regions are not needed here, and of a tangle that is hopeless they take longer than all the rest.
+        let mut intersector = Intersector::default();
         loop {
             if self.is_exhausted() {
                 return Ok(End::Exhausted);
             }
-            let factors = (*bending <= LAST_BENDING).then(|| membrane.factorise(*bending, positions)).flatten();
+            let factors = (*bending <= LAST_BENDING).then(|| membrane.factorise(*bending, positions, &[])).flatten();
             let Some(factors) = factors else { return Ok(End::Stuck) };
             *bending *= BENDING_STEP;
             self.bend(membrane, domain, &factors, positions);
-            self.set_frame(positions)?;
-            if self.report(Method::Straighten, progress).is_break() {
+            self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
+            intersector.intersect(self.mesh, &self.frame, found);
+            measure(self.mesh, &self.frame, found, &self.first_clusters, &mut self.now);
+            let Tangle { num_edge_face, length_m, .. } = total(&self.now);
+            if self.note(Method::Straighten, num_edge_face, length_m, progress).is_break() {
                 return Ok(End::Interrupted);
             }
-            if self.analyser.last().intersections.edge_face.is_empty() {
+            if num_edge_face == 0 {
                 return Ok(End::Clean);
             }
         }
@@ -114,29 +141,32 @@ impl Relaxer<'_> {
         domain: &Domain,
         mut bending: f64,
         positions: &mut [Point3<f64>],
+        least: &mut Least,
         progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     ) -> Result<End, RelaxError> {
-        let mut back = Return::new(self.mesh, domain);
+        let mut approach = Approach::new(self.mesh, domain);
         let mut strain = f64::INFINITY;
-        while !self.is_exhausted() {
+        loop {
+            if self.is_exhausted() {
+                return Ok(End::Exhausted);
+            }
             let now = membrane.strain(positions);
             if bending <= LEAST_BENDING && now > (1.0 - WORTHWHILE) * strain {
-                break;
+                return Ok(End::Clean);
             }
             strain = now;
             membrane.stiffen(positions);
             bending = (bending * RETURN_STEP).max(LEAST_BENDING);
-            let Some(factors) = membrane.factorise(bending, positions) else { break };
+            let Some(factors) = membrane.factorise(bending, positions, approach.holds()) else { return Ok(End::Clean) };
             let mut wanted = positions.to_vec();
             self.bend(membrane, domain, &factors, &mut wanted);
-            if back.approach(positions, &wanted, self.settings.single_precision) {
-                self.set_frame(positions)?;
-                if self.report(Method::Straighten, progress).is_break() {
+            if approach.go(positions, &wanted, self.settings.single_precision) {
+                self.offer(domain, positions, least);
+                if self.note(Method::Straighten, 0, 0.0, progress).is_break() {
                     return Ok(End::Interrupted);
                 }
             }
         }
-        Ok(End::Clean)
     }
 
     fn bend(&self, membrane: &Membrane<'_>, domain: &Domain, factors: &Factors, positions: &mut [Point3<f64>]) {
@@ -149,56 +179,12 @@ impl Relaxer<'_> {
     }
 }
 
-/// Moves that keep clean what is clean.
-struct Return<'a> {
-    mesh: &'a Mesh,
-    domain: &'a Domain,
-    damping: Damping,
-    frame: Frame,
-    intersector: Intersector,
-    found: Intersections,
-    step: Vec<Point3<f64>>,
+/// The clean state that crushes and overstretches least.
+struct Least {
+    /// How many crushed or overstretched vertices another may have to be kept instead.
+    limit: usize,
+    kept: Option<Vec<Point3<f64>>>,
 }
 
-impl<'a> Return<'a> {
-    fn new(mesh: &'a Mesh, domain: &'a Domain) -> Self {
-        Self {
-            mesh,
-            domain,
-            damping: Damping::default(),
-            frame: Frame::default(),
-            intersector: Intersector::default(),
-            found: Intersections::default(),
-            step: Vec::new(),
-        }
-    }
-
-    /// Goes to `wanted` where nothing is met there, and less far elsewhere. False if no step is left without intersections.
-    fn approach(&mut self, positions: &mut [Point3<f64>], wanted: &[Point3<f64>], single_precision: bool) -> bool {
-        let [halving, stopping] = DAMPING_ROUNDS;
-        self.damping.reset(self.domain.vertices().len());
-        for round in 0..=halving + stopping {
-            self.step.clear();
-            self.step.extend_from_slice(positions);
-            for (slot, vertex) in self.domain.vertices().iter().enumerate() {
-                let before = positions[vertex.index()];
-                let point = before + (wanted[vertex.index()] - before) * self.damping.factor(slot);
-                self.step[vertex.index()] = if single_precision { rounded(point) } else { point };
-            }
-            if self.frame.set(self.mesh, self.step.iter().map(|point| (*point).into())).is_err() {
-                return false;
-            }
-            self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.is_empty() {
-                positions.copy_from_slice(&self.step);
-                return true;
-            }
-            let met = self.found.edge_face.iter().flat_map(|found| {
-                let ([a, b], [c, d, e]): ([VertexId; 2], _) = (self.mesh.edge(found.edge), self.mesh.face(found.face));
-                [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
-            });
-            self.damping.damp(self.mesh, self.domain, met, if round < halving { 0.5 } else { 0.0 });
-        }
-        false
-    }
-}
+#[cfg(test)]
+mod tests;
