@@ -4,7 +4,7 @@
 //! cargo run --release --example speed -- [--largest RESOLUTION] [--only TABLE] > docs/SPEED.md
 //! ```
 //!
-//! Tables: search, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, growth, cores, scenes.
+//! Tables: search, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, meshes (where ../shared/data is), growth, cores, scenes.
 //! Generated sheets of 2 n^2 triangles: n is 35, 125, 250, 500 and 1000, up to the one given (1000). Times are of the processor, not of the clock on
 //! the wall, on one thread but where two are named; contenders take turns, and the least of their times counts.
 
@@ -13,6 +13,7 @@
 mod cores;
 mod folded;
 mod frames;
+mod meshes;
 mod meshlib;
 mod scenes;
 mod search;
@@ -55,6 +56,9 @@ fn main() -> Result<(), Failure> {
     }
     if wants("paper") {
         one.install(frames::paper_table)?;
+    }
+    if wants("meshes") {
+        one.install(meshes::table)?;
     }
     if wants("growth") {
         one.install(frames::growth_table)?;
