@@ -12,8 +12,13 @@ pub(crate) trait Arithmetic: Copy {
     fn lower(self, a: Self::Value, b: Self::Value) -> Self::Value;
     fn higher(self, a: Self::Value, b: Self::Value) -> Self::Value;
 
+    fn quotient(self, a: Self::Value, b: Self::Value) -> Self::Value;
+    fn root(self, a: Self::Value) -> Self::Value;
+
     /// A bit for each number above zero.
     fn positive(self, a: Self::Value) -> u32;
+    /// `value` where `condition` is above zero, elsewhere zero.
+    fn only_where(self, condition: Self::Value, value: Self::Value) -> Self::Value;
 
     #[inline(always)]
     fn minus(self, a: [Self::Value; 3], b: [Self::Value; 3]) -> [Self::Value; 3] {
@@ -79,8 +84,23 @@ impl Arithmetic for Plain {
     }
 
     #[inline(always)]
+    fn quotient(self, a: f64, b: f64) -> f64 {
+        a / b
+    }
+
+    #[inline(always)]
+    fn root(self, a: f64) -> f64 {
+        a.sqrt()
+    }
+
+    #[inline(always)]
     fn positive(self, a: f64) -> u32 {
         u32::from(a > 0.0)
+    }
+
+    #[inline(always)]
+    fn only_where(self, condition: f64, value: f64) -> f64 {
+        if condition > 0.0 { value } else { 0.0 }
     }
 }
 
@@ -122,6 +142,22 @@ impl Arithmetic for pulp::x86::V3 {
     #[inline(always)]
     fn higher(self, a: pulp::f64x4, b: pulp::f64x4) -> pulp::f64x4 {
         self.max_f64x4(a, b)
+    }
+
+    #[inline(always)]
+    fn quotient(self, a: pulp::f64x4, b: pulp::f64x4) -> pulp::f64x4 {
+        self.div_f64x4(a, b)
+    }
+
+    #[inline(always)]
+    fn root(self, a: pulp::f64x4) -> pulp::f64x4 {
+        self.sqrt_f64x4(a)
+    }
+
+    #[inline(always)]
+    fn only_where(self, condition: pulp::f64x4, value: pulp::f64x4) -> pulp::f64x4 {
+        let zero = self.splat_f64x4(0.0);
+        self.select_f64x4(self.cmp_gt_f64x4(condition, zero), value, zero)
     }
 
     #[inline(always)]

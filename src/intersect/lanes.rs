@@ -1,8 +1,9 @@
 //! Choice of instruction set: the same answers, faster where the processor allows it.
 
 use super::{
+    arithmetic::Plain,
     boxes::{Boxes, Hull, WIDTH},
-    separate::{FourTriangles, are_apart, are_four_apart},
+    separate::{FourTriangles, Triangle, are_apart, are_four_apart, distances_m},
 };
 
 /// Pairs of triangles that are looked at side by side.
@@ -15,6 +16,9 @@ pub(crate) trait Lanes: Copy {
 
     /// A bit for each of four pairs of triangles that is proven to be apart, and those in `unused`.
     fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32;
+
+    /// Lower bounds of the distances of four pairs of triangles in metres, as far as `enough`; those in `unused` are of no interest.
+    fn distances_m(self, pairs: &[FourTriangles; 2], enough: f64, unused: u32) -> [f64; FOUR];
 }
 
 /// Work to be compiled for each instruction set. Its functions have to be inlined all the way down, or they are compiled for the least
@@ -42,11 +46,23 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32 {
-        let one = |four: &FourTriangles, lane: usize| four.map(|corner| corner.map(|coordinate| coordinate[lane]));
         (0..FOUR).filter(|lane| unused >> lane & 1 == 0).fold(unused, |mask, lane| {
-            mask | (u32::from(are_apart(&one(&pairs[0], lane), &one(&pairs[1], lane))) << lane)
+            mask | (u32::from(are_apart(&one_of(&pairs[0], lane), &one_of(&pairs[1], lane))) << lane)
         })
     }
+
+    #[inline(always)]
+    fn distances_m(self, pairs: &[FourTriangles; 2], enough: f64, unused: u32) -> [f64; FOUR] {
+        std::array::from_fn(|lane| {
+            let pair = [&one_of(&pairs[0], lane), &one_of(&pairs[1], lane)];
+            if unused >> lane & 1 == 0 { distances_m(Plain, pair, enough, 0) } else { 0.0 }
+        })
+    }
+}
+
+/// One of four triangles.
+fn one_of(four: &FourTriangles, lane: usize) -> Triangle {
+    four.map(|corner| corner.map(|coordinate| coordinate[lane]))
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -65,16 +81,29 @@ impl Lanes for pulp::x86::V3 {
 
     #[inline(always)]
     fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32 {
-        let mut vectors = [[[self.splat_f64x4(0.0); 3]; 3]; 2];
-        for (vectors, four) in vectors.iter_mut().zip(pairs) {
-            for corner in 0..3 {
-                for axis in 0..3 {
-                    vectors[corner][axis] = pulp::cast(four[corner][axis]);
-                }
+        let [a, b] = vectors(self, pairs);
+        are_four_apart(self, [&a, &b], unused)
+    }
+
+    #[inline(always)]
+    fn distances_m(self, pairs: &[FourTriangles; 2], enough: f64, unused: u32) -> [f64; FOUR] {
+        let [a, b] = vectors(self, pairs);
+        pulp::cast(distances_m(self, [&a, &b], enough, unused))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn vectors(simd: pulp::x86::V3, pairs: &[FourTriangles; 2]) -> [Triangle<pulp::f64x4>; 2] {
+    let mut vectors = [[[simd.splat_f64x4(0.0); 3]; 3]; 2];
+    for (vectors, four) in vectors.iter_mut().zip(pairs) {
+        for corner in 0..3 {
+            for axis in 0..3 {
+                vectors[corner][axis] = pulp::cast(four[corner][axis]);
             }
         }
-        are_four_apart(self, [&vectors[0], &vectors[1]], unused)
     }
+    vectors
 }
 
 /// Runs a task with the best instructions that this processor has.

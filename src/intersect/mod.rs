@@ -13,6 +13,7 @@ mod locate;
 mod narrow;
 mod neighbours;
 mod rings;
+mod search;
 mod separate;
 #[cfg(test)]
 mod tests;

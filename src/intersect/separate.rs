@@ -127,31 +127,31 @@ impl Test<Plain> for Parts {
     }
 }
 
-/// A lower bound of the distance of two triangles in metres; zero where none is known. What is beyond `enough` does not matter.
+/// A lower bound of the distance of two triangles, or of several pairs side by side, in metres; zero where none is known. What is beyond
+/// `enough` does not matter, nor what lies in the lanes of `unused`.
 #[inline(always)]
-pub(crate) fn distance_m(a: &Triangle, b: &Triangle, enough: f64) -> f64 {
-    let mut farthest = Farthest { distance: 0.0, enough };
-    Relative::new(Plain, a, b).any_direction(&mut farthest);
+pub(crate) fn distances_m<A: Arithmetic>(by: A, pairs: [&Triangle<A::Value>; 2], enough: f64, unused: u32) -> A::Value {
+    let mut farthest = Farthest { distance: by.of(0.0), enough: by.of(enough), unused };
+    Relative::new(by, pairs[0], pairs[1]).any_direction(&mut farthest);
     farthest.distance
 }
 
-struct Farthest {
-    distance: f64,
-    enough: f64,
+struct Farthest<T> {
+    distance: T,
+    enough: T,
+    unused: u32,
 }
 
-impl Test<Plain> for Farthest {
+impl<A: Arithmetic> Test<A> for Farthest<A::Value> {
     #[inline(always)]
-    fn will_do(&mut self, relative: &Relative<Plain>, m: [f64; 3]) -> bool {
-        let gap = relative.gap_along(m);
-        if gap > 0.0 {
-            let square = dot(m, m);
-            // Of a square that underflows nothing is known.
-            if square > 1e-280 {
-                self.distance = Plain.higher(self.distance, gap / square.sqrt() * (1.0 - 1e-14));
-            }
-        }
-        self.distance >= self.enough
+    fn will_do(&mut self, relative: &Relative<A>, m: [A::Value; 3]) -> bool {
+        let by = relative.by;
+        let (gap, square) = (relative.gap_along(m), by.dot(m, m));
+        let distance = by.product(by.quotient(gap, by.root(square)), by.of(1.0 - 1e-14));
+        // Of a square that underflows nothing is known.
+        let distance = by.only_where(gap, by.only_where(by.difference(square, by.of(1e-280)), distance));
+        self.distance = by.higher(self.distance, distance);
+        by.positive(by.difference(self.enough, self.distance)) & !self.unused == 0
     }
 }
 
