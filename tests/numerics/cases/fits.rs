@@ -48,7 +48,7 @@ pub(super) fn chapter() -> Chapter {
         text: "*Condition* is the ratio of the largest to the smallest pivot of a fit, both sides of which are scaled to unit size, as \
                `PathCorrespondence::condition` says it; *short* the sum of `rank_deficiency` over all fits; *residual* by how much a fit misses its path at \
                worst, and *targets* how far targets lie from the true ones at worst, both in edge lengths. `min_centres` and `max_centres` are both set to the \
-               count; a path that is nearly straight has centres on both sides too, and an LL path those of its partner. The fit itself, on centres that \
+               count; a path that is nearly straight has centres beside it, inside, too, and an LL path those of its partner. The fit itself, on centres that \
                contradict each other too, is held by the unit tests of `src/correspond/rbf_tests.rs`.",
         cases,
     }
