@@ -130,6 +130,9 @@ impl<T: Task, L: Lanes> pulp::NullaryFnOnce for With<T, L> {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
     use crate::intersect::boxes::EMPTY;
 
@@ -168,5 +171,38 @@ mod tests {
             dispatch(Compare(boxes, other, expected));
         }
         assert!(seen[0] > 1_000 && seen[1] > 1_000);
+    }
+    #[test]
+    fn four_pairs_at_a_time_are_as_far_apart_as_one_by_one() {
+        struct Compare<'a>([FourTriangles; 2], f64, u32, &'a mut [usize; 2]);
+        impl Task for Compare<'_> {
+            fn run<L: Lanes>(self, lanes: L) {
+                let Self(pairs, enough, unused, seen) = self;
+                let apart = lanes.apart(&pairs, unused);
+                let distances = lanes.distances_m(&pairs, enough, unused);
+                assert_eq!(apart, Portable.apart(&pairs, unused));
+                for (lane, (one, other)) in
+                    distances.into_iter().zip(Portable.distances_m(&pairs, enough, 0)).enumerate()
+                {
+                    if unused >> lane & 1 == 0 {
+                        // Beyond what is enough any number will do.
+                        assert_eq!(one.min(enough).to_bits(), other.min(enough).to_bits());
+                        seen[usize::from(one > 0.0)] += 1;
+                    }
+                }
+            }
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let mut seen = [0; 2];
+        for round in 0..2_000 {
+            let mut triangles = <[FourTriangles; 2]>::default();
+            for coordinate in triangles.iter_mut().flatten().flatten().flatten() {
+                // Now and then on a coarse grid, where triangles touch and are degenerate.
+                *coordinate =
+                    if round % 2 == 0 { rng.random_range(-1.0..1.0) } else { f64::from(rng.random_range(0..3)) };
+            }
+            dispatch(Compare(triangles, 0.3, round % 16, &mut seen));
+        }
+        assert!(seen[0] > 500 && seen[1] > 500, "{seen:?}");
     }
 }
