@@ -46,7 +46,6 @@ pub use shapes::ShapeSource;
 
 pub(crate) use chart::Chart;
 pub(crate) use find::mean_edge_length;
-pub(crate) use patch::Patch;
 
 /// A point inside and the place where it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]

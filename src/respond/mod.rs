@@ -24,6 +24,7 @@ pub(crate) mod contour;
 mod displace;
 mod flags;
 mod forces;
+mod march;
 mod push;
 mod responder;
 #[cfg(test)]

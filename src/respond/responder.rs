@@ -77,6 +77,7 @@ impl Responder {
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
         if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
+            self.push.forget();
             self.forces.start(num_vertices);
             self.displacements.start(num_vertices);
             self.pushed.clear();
