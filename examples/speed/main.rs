@@ -44,7 +44,8 @@ fn main() -> Result<(), Failure> {
     let resolutions: Vec<u32> = RESOLUTIONS.into_iter().filter(|&resolution| resolution <= largest).collect();
     println!("# How fast frames are\n");
     println!(
-        "Made by `cargo run --release --example speed > docs/SPEED.md`; do not edit. Times are of one busy machine's processor: read the ratios."
+        "Made by `cargo run --release --example speed > docs/SPEED.md`; do not edit. Times are of one busy machine's processor: read the ratios. \
+         What a frame costs more through the daemon, beside a socket, says `FAULTS.md` (`cargo run --release --example soak -- round-trip`)."
     );
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let wants = |table: &str| only.as_deref().is_none_or(|only| only == table);
