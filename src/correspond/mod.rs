@@ -25,7 +25,7 @@ mod rbf_tests;
 mod relax;
 mod saddle;
 #[cfg(test)]
-mod samples;
+pub(crate) mod samples;
 mod shapes;
 mod sheets;
 #[cfg(test)]

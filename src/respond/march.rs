@@ -149,23 +149,12 @@ fn is_boundary_edge(mesh: &Mesh, [a, b]: [VertexId; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::MeshDescription;
+    use crate::correspond::samples;
 
     /// A sheet of 10 x 12 squares of 0.1 m.
     fn sheet() -> (Mesh, Frame, Vec<[f64; 3]>) {
-        let mut positions = Vec::new();
-        let mut faces = Vec::new();
-        for row in 0..13u32 {
-            for column in 0..11u32 {
-                positions.push([f64::from(column) * 0.1, f64::from(row) * 0.1, 0.0]);
-                if row < 12 && column < 10 {
-                    let a = row * 11 + column;
-                    faces.push([a, a + 1, a + 11]);
-                    faces.push([a + 11, a + 1, a + 12]);
-                }
-            }
-        }
-        let mesh = Mesh::new(MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }).unwrap();
+        let (mesh, flat) = samples::sheet(10, 12, 0.1);
+        let positions: Vec<_> = flat.iter().map(|point| [point.x, point.y, 0.0]).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
         (mesh, frame, positions)
     }

@@ -122,23 +122,12 @@ impl BoundaryPush {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::MeshDescription;
+    use crate::correspond::samples::sheet;
 
     #[test]
     fn the_distance_shrinks_towards_the_nearer_side_of_a_strip() {
-        let mut positions = Vec::new();
-        let mut faces = Vec::new();
-        for row in 0..21u32 {
-            for column in 0..9u32 {
-                positions.push([f64::from(column) * 0.1, f64::from(row) * 0.1, 0.0]);
-                if row < 20 && column < 8 {
-                    let a = row * 9 + column;
-                    faces.push([a, a + 1, a + 9]);
-                    faces.push([a + 9, a + 1, a + 10]);
-                }
-            }
-        }
-        let mesh = Mesh::new(MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }).unwrap();
+        let (mesh, flat) = sheet(8, 20, 0.1);
+        let positions: Vec<_> = flat.iter().map(|point| [point.x, point.y, 0.0]).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
         let mut push = BoundaryPush::default();
         for (column, direction) in [(1, -1.0), (6, 1.0)] {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{
+    correspond::samples::sheet_faces,
     mesh::{Mesh, MeshDescription},
     relax::RelaxSettings,
 };
@@ -10,20 +11,15 @@ use crate::{
 fn roll() -> (MeshDescription, Vec<[f64; 3]>) {
     let (along, across) = (48u32, 8u32);
     let mut positions = Vec::new();
-    let mut faces = Vec::new();
     for row in 0..=across {
         for column in 0..=along {
             let (u, v) = (f64::from(column) / f64::from(along), f64::from(row) / f64::from(across));
             let angle = 11.0 * u;
             let radius = 0.1 + 0.004 * (2.5 * angle).sin() + 0.001 * v;
             positions.push([radius * angle.cos(), radius * angle.sin(), 0.15 * v]);
-            if row < across && column < along {
-                let a = row * (along + 1) + column;
-                faces.push([a, a + 1, a + along + 1]);
-                faces.push([a + along + 1, a + 1, a + along + 2]);
-            }
         }
     }
+    let faces = sheet_faces(along, across);
     (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions)
 }
 
