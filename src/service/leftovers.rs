@@ -94,6 +94,7 @@ mod tests {
     use std::fs;
 
     use iceoryx2::prelude::{NodeBuilder, SignalHandlingMode};
+    use untangled_proto::lock::WipeOnLeave;
 
     use super::*;
 
@@ -130,7 +131,8 @@ mod tests {
         let exist = |paths: &[PathBuf]| paths.iter().filter(|path| path.exists()).count();
         let counts = (exist(&left), folder.exists(), exist(&kept));
         drop(node);
-        left.iter().chain(&kept).for_each(|path| drop(fs::remove_file(path)));
+        // The shared memory of the node too, and what was kept.
+        drop(WipeOnLeave(domain.clone()));
         let _ = fs::remove_dir_all(&base);
         assert_eq!(removed, [0, 0, 0, 0, 5, 0]);
         assert_eq!(counts, (0, false, 2));
