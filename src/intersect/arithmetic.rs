@@ -1,8 +1,14 @@
-//! Numbers one by one or four at a time, for arithmetic that is written once: the same operations in the same order, none of them fused.
+//! Numbers one by one or several at a time, for arithmetic that is written once: the same operations in the same order, none of them fused.
 
 /// What can be done with numbers, or with several side by side.
 pub(crate) trait Arithmetic: Copy {
     type Value: Copy;
+
+    /// Relative error of one operation at most.
+    const ROUNDOFF: f64;
+
+    /// Sums of products below it may come from underflow, where errors are not relative.
+    const FLOOR: f64;
 
     fn of(self, value: f64) -> Self::Value;
     fn sum(self, a: Self::Value, b: Self::Value) -> Self::Value;
@@ -12,13 +18,10 @@ pub(crate) trait Arithmetic: Copy {
     fn lower(self, a: Self::Value, b: Self::Value) -> Self::Value;
     fn higher(self, a: Self::Value, b: Self::Value) -> Self::Value;
 
-    fn quotient(self, a: Self::Value, b: Self::Value) -> Self::Value;
-    fn root(self, a: Self::Value) -> Self::Value;
-
     /// A bit for each number above zero.
     fn positive(self, a: Self::Value) -> u32;
-    /// `value` where `condition` is above zero, elsewhere zero.
-    fn only_where(self, condition: Self::Value, value: Self::Value) -> Self::Value;
+    /// `yes` where `condition` is above zero, elsewhere `no`.
+    fn choose(self, condition: Self::Value, yes: Self::Value, no: Self::Value) -> Self::Value;
 
     #[inline(always)]
     fn minus(self, a: [Self::Value; 3], b: [Self::Value; 3]) -> [Self::Value; 3] {
@@ -40,12 +43,25 @@ pub(crate) trait Arithmetic: Copy {
     }
 }
 
+/// What else distances take.
+pub(crate) trait Roots: Arithmetic {
+    fn quotient(self, a: Self::Value, b: Self::Value) -> Self::Value;
+    fn root(self, a: Self::Value) -> Self::Value;
+}
+
+/// Of doubles.
+const ROUNDOFF: f64 = 0.5 * f64::EPSILON;
+const FLOOR: f64 = 1e-290;
+
 /// One number at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain;
 
 impl Arithmetic for Plain {
     type Value = f64;
+
+    const ROUNDOFF: f64 = ROUNDOFF;
+    const FLOOR: f64 = FLOOR;
 
     #[inline(always)]
     fn of(self, value: f64) -> f64 {
@@ -84,6 +100,18 @@ impl Arithmetic for Plain {
     }
 
     #[inline(always)]
+    fn positive(self, a: f64) -> u32 {
+        u32::from(a > 0.0)
+    }
+
+    #[inline(always)]
+    fn choose(self, condition: f64, yes: f64, no: f64) -> f64 {
+        if condition > 0.0 { yes } else { no }
+    }
+}
+
+impl Roots for Plain {
+    #[inline(always)]
     fn quotient(self, a: f64, b: f64) -> f64 {
         a / b
     }
@@ -92,22 +120,15 @@ impl Arithmetic for Plain {
     fn root(self, a: f64) -> f64 {
         a.sqrt()
     }
-
-    #[inline(always)]
-    fn positive(self, a: f64) -> u32 {
-        u32::from(a > 0.0)
-    }
-
-    #[inline(always)]
-    fn only_where(self, condition: f64, value: f64) -> f64 {
-        if condition > 0.0 { value } else { 0.0 }
-    }
 }
 
 /// Four at a time.
 #[cfg(target_arch = "x86_64")]
 impl Arithmetic for pulp::x86::V3 {
     type Value = pulp::f64x4;
+
+    const ROUNDOFF: f64 = ROUNDOFF;
+    const FLOOR: f64 = FLOOR;
 
     #[inline(always)]
     fn of(self, value: f64) -> pulp::f64x4 {
@@ -145,6 +166,20 @@ impl Arithmetic for pulp::x86::V3 {
     }
 
     #[inline(always)]
+    fn positive(self, a: pulp::f64x4) -> u32 {
+        let is_positive = self.cmp_gt_f64x4(a, self.splat_f64x4(0.0));
+        self.avx._mm256_movemask_pd(pulp::cast(is_positive)).cast_unsigned()
+    }
+
+    #[inline(always)]
+    fn choose(self, condition: pulp::f64x4, yes: pulp::f64x4, no: pulp::f64x4) -> pulp::f64x4 {
+        self.select_f64x4(self.cmp_gt_f64x4(condition, self.splat_f64x4(0.0)), yes, no)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Roots for pulp::x86::V3 {
+    #[inline(always)]
     fn quotient(self, a: pulp::f64x4, b: pulp::f64x4) -> pulp::f64x4 {
         self.div_f64x4(a, b)
     }
@@ -152,17 +187,5 @@ impl Arithmetic for pulp::x86::V3 {
     #[inline(always)]
     fn root(self, a: pulp::f64x4) -> pulp::f64x4 {
         self.sqrt_f64x4(a)
-    }
-
-    #[inline(always)]
-    fn only_where(self, condition: pulp::f64x4, value: pulp::f64x4) -> pulp::f64x4 {
-        let zero = self.splat_f64x4(0.0);
-        self.select_f64x4(self.cmp_gt_f64x4(condition, zero), value, zero)
-    }
-
-    #[inline(always)]
-    fn positive(self, a: pulp::f64x4) -> u32 {
-        let is_positive = self.cmp_gt_f64x4(a, self.splat_f64x4(0.0));
-        self.avx._mm256_movemask_pd(pulp::cast(is_positive)).cast_unsigned()
     }
 }

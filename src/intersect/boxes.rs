@@ -33,6 +33,19 @@ impl Boxes {
         }
     }
 
+    /// The same boxes with `margin` more on every side.
+    #[inline(always)]
+    pub(crate) fn inflated(&self, margin: f32) -> Self {
+        let mut boxes = *self;
+        for axis in 0..3 {
+            for slot in 0..WIDTH {
+                boxes.min[axis][slot] -= margin;
+                boxes.max[axis][slot] += margin;
+            }
+        }
+        boxes
+    }
+
     /// The box round all of them.
     #[inline(always)]
     pub(crate) fn hull(&self) -> Hull {

@@ -15,6 +15,7 @@ use super::{
     lanes::{Lanes, Portable},
     neighbours::Neighbours,
     rings::Rings,
+    singles::Mapped,
 };
 use crate::{
     frame::Frame,
@@ -26,6 +27,10 @@ const LEAST_SHARE: usize = 256;
 
 /// The same for vertices, which take less.
 const SHARE_OF_VERTICES: usize = 4096;
+
+/// Bits `8 i + k` of the pairs of places with `i < k`, and with `i = k`.
+const ABOVE_DIAGONAL: u64 = 0x0080_c0e0_f0f8_fcfe;
+const DIAGONAL: u64 = 0x8040_2010_0804_0201;
 
 /// A pair of nodes of one level whose subtrees are to be searched against each other.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +47,7 @@ pub(crate) struct FaceTree {
     /// From the leaves up; the last has one node.
     levels: Vec<Vec<Boxes>>,
     /// Vertices after the map into single precision.
-    mapped: Vec<[f32; 3]>,
+    mapped: Vec<Mapped>,
     /// Of the map.
     scale: f64,
     /// Corners of the faces in `order`.
@@ -109,12 +114,12 @@ impl FaceTree {
         // A frame in one point needs no scale.
         let scale = if extent > 0.0 { 1.0 / extent } else { 1.0 };
         self.scale = scale;
-        self.mapped.resize(positions.len(), [0.0; 3]);
+        self.mapped.resize(positions.len(), Mapped::default());
         let mapped = self.mapped.par_iter_mut().with_min_len(SHARE_OF_VERTICES).zip(positions);
         mapped.for_each(|(mapped, position)| {
             #[expect(clippy::cast_possible_truncation, reason = "monotone, which is all that is needed")]
             let map = |axis: usize| ((position[axis] - centre[axis]) * scale) as f32;
-            *mapped = std::array::from_fn(map);
+            *mapped = [map(0), map(1), map(2), 0.0];
         });
     }
 
@@ -189,27 +194,22 @@ impl FaceTree {
         stack.push(part);
         while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
             let boxes = &self.levels[level];
-            let (first, second) = (&boxes[a as usize], &boxes[b as usize]);
-            let mut slots = if a == b { 0xff } else { lanes.overlaps(first, &self.hull(level, b)) };
-            let neighbours = if level == 0 { self.neighbours.between(a, b) } else { 0 }.to_le_bytes();
-            while slots != 0 {
-                let slot = slots.trailing_zeros();
-                slots &= slots - 1;
-                let mut hits = lanes.overlaps(second, &first.get(slot as usize));
-                if a == b {
-                    // Each pair once; a node with itself only above the leaves.
-                    hits &= u32::MAX << (slot + u32::from(level == 0));
-                }
-                hits &= !u32::from(neighbours[slot as usize]);
-                while hits != 0 {
-                    let other = hits.trailing_zeros();
-                    hits &= hits - 1;
-                    let children = [8 * a + slot, 8 * b + other];
-                    if level == 0 {
-                        found(children);
-                    } else {
-                        stack.push(NodePair { level: level - 1, nodes: children });
-                    }
+            let mut pairs = lanes.overlapping_pairs(&boxes[a as usize], &boxes[b as usize]);
+            if a == b {
+                // Each pair once; a node with itself only above the leaves.
+                pairs &= if level == 0 { ABOVE_DIAGONAL } else { ABOVE_DIAGONAL | DIAGONAL };
+            }
+            if level == 0 {
+                pairs &= !self.neighbours.between(a, b);
+            }
+            while pairs != 0 {
+                let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
+                pairs &= pairs - 1;
+                let children = [8 * a + slot, 8 * b + other];
+                if level == 0 {
+                    found(children);
+                } else {
+                    stack.push(NodePair { level: level - 1, nodes: children });
                 }
             }
         }
@@ -235,20 +235,15 @@ impl FaceTree {
                 found([a, b]);
                 continue;
             }
-            let (first, second) = (&self.levels[level][a as usize], &self.levels[level][b as usize]);
-            let mut slots = if a == b { 0xff } else { lanes.overlaps(first, &inflated(self.hull(level, b), margin)) };
-            while slots != 0 {
-                let slot = slots.trailing_zeros();
-                slots &= slots - 1;
-                let mut hits = lanes.overlaps(second, &inflated(first.get(slot as usize), margin));
-                if a == b {
-                    hits &= u32::MAX << slot;
-                }
-                while hits != 0 {
-                    let other = hits.trailing_zeros();
-                    hits &= hits - 1;
-                    stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
-                }
+            let boxes = &self.levels[level];
+            let mut pairs = lanes.overlapping_pairs(&boxes[a as usize].inflated(margin), &boxes[b as usize]);
+            if a == b {
+                pairs &= ABOVE_DIAGONAL | DIAGONAL;
+            }
+            while pairs != 0 {
+                let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
+                pairs &= pairs - 1;
+                stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
             }
         }
     }
@@ -270,41 +265,30 @@ impl FaceTree {
         let second = if a == b { first } else { self.boxes_round(frame, b, origin) };
         #[expect(clippy::cast_possible_truncation, reason = "what was lost is subtracted below")]
         let margin = margin_m as f32;
-        let neighbours = self.neighbours.between(a, b).to_le_bytes();
         let largest = higher(largest(first.hull()), largest(second.hull())) + margin;
-        // Beyond single precision everything may overlap, and unused places seem to.
-        let unknown = !largest.is_finite();
-        let [present, others] = [a, b].map(|leaf| self.present(leaf));
-        let mut slots = present;
-        if a != b && !unknown {
-            slots &= lanes.overlaps(&first, &inflated(second.hull(), margin));
+        let mut pairs = if largest.is_finite() {
+            lanes.overlapping_pairs(&first.inflated(margin), &second)
+        } else {
+            // Beyond single precision everything may overlap, and unused places seem to.
+            self.present_pairs(a, b)
+        };
+        if a == b {
+            pairs &= ABOVE_DIAGONAL;
         }
-        while slots != 0 {
-            let slot = slots.trailing_zeros();
-            slots &= slots - 1;
-            let mut hits = others;
-            if !unknown {
-                hits &= lanes.overlaps(&second, &inflated(first.get(slot as usize), margin));
-            }
-            if a == b {
-                hits &= u32::MAX << (slot + 1);
-            }
-            hits &= !u32::from(neighbours[slot as usize]);
-            while hits != 0 {
-                let other = hits.trailing_zeros();
-                hits &= hits - 1;
-                found([8 * a + slot, 8 * b + other]);
-            }
+        pairs &= !self.neighbours.between(a, b);
+        while pairs != 0 {
+            let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
+            pairs &= pairs - 1;
+            found([8 * a + slot, 8 * b + other]);
         }
         // Three roundings of half an ulp of the largest number there is; and what underflows.
         f64::from(margin) - f64::from(largest) * 4e-7 - 1e-37
     }
 
-    /// The places of a leaf that hold a face, one bit each.
-    #[inline(always)]
-    fn present(&self, leaf: u32) -> u32 {
-        let left = self.corners.len() - WIDTH * leaf as usize;
-        if left >= WIDTH { 0xff } else { (1 << left) - 1 }
+    /// The pairs of places of two leaves that both hold a face.
+    fn present_pairs(&self, a: u32, b: u32) -> u64 {
+        let count = |leaf: u32| (self.corners.len() - WIDTH * leaf as usize).min(WIDTH);
+        (0..count(a)).fold(0, |pairs, slot| pairs | (0xff >> (WIDTH - count(b))) << (WIDTH * slot))
     }
 
     /// The boxes of a leaf's faces relative to a point, by a map that is monotone.
@@ -324,6 +308,12 @@ impl FaceTree {
             boxes.set(slot, (low, high));
         }
         boxes
+    }
+
+    /// All vertices after the map into single precision.
+    #[inline(always)]
+    pub(crate) fn mapped(&self) -> &[Mapped] {
+        &self.mapped
     }
 
     /// The corners of all faces in the order of the tree.
@@ -352,11 +342,6 @@ impl FaceTree {
     pub(crate) fn misses_neighbours(&self) -> bool {
         self.neighbours.are_incomplete()
     }
-}
-
-#[inline(always)]
-fn inflated((low, high): Hull, margin: f32) -> Hull {
-    (low.map(|coordinate| coordinate - margin), high.map(|coordinate| coordinate + margin))
 }
 
 /// The largest magnitude of a coordinate.

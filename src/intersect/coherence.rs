@@ -39,12 +39,16 @@ pub(crate) enum Mode {
     Kept,
 }
 
-/// Two leaves, the first not after the second, and the time until which their faces are known not to meet.
+/// Two leaves, the first not after the second, and the time until which their faces are known not to meet: [`NEVER_SEEN`], or [`TOUCHING`]
+/// where nothing was known the last time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeafPair {
     pub(crate) leaves: [u32; 2],
     pub(crate) until: f64,
 }
+
+pub(crate) const NEVER_SEEN: f64 = f64::NEG_INFINITY;
+pub(crate) const TOUCHING: f64 = 0.0;
 
 /// Sets of vertices, each with its clock.
 #[derive(Debug, Default)]
@@ -199,7 +203,7 @@ impl Coherence {
 /// The time until which a proof holds that lasts for `span` from `now` on.
 #[inline(always)]
 pub(crate) fn until(now: f64, span: f64) -> f64 {
-    if span > 0.0 { (now + span) * (1.0 - ROUNDING) } else { 0.0 }
+    if span > 0.0 { (now + span) * (1.0 - ROUNDING) } else { TOUCHING }
 }
 
 /// From some edges: it only chooses a margin.

@@ -9,7 +9,7 @@ use super::{
     lanes::dispatch,
     locate::locate,
     narrow::{Contact, Crossing},
-    search::{AllLeaves, KeptPairs, KeptRings, Part, Search},
+    search::{AllLeaves, KeptPairs, KeptRings, Part, Search, SomeRings, SomeSubtrees},
 };
 use crate::{
     frame::Frame,
@@ -18,6 +18,10 @@ use crate::{
 
 /// Subtrees into which the search is split, at least, where the tree has as many.
 const NUM_SUBTREES: usize = 16;
+
+/// Shares of the search through subtrees. Neighbours in their list go to different shares: those at its start, subtrees against themselves,
+/// take far longer than two that hardly meet.
+const NUM_SHARES: usize = 32;
 
 /// Vertices whose surroundings are searched in one go.
 const FANS_OF_PART: usize = 1024;
@@ -84,25 +88,28 @@ impl Intersector {
         self.tree.fit(frame);
         self.tree.parts(NUM_SUBTREES, &mut self.subtrees);
         let num_fans = self.tree.rings().len().div_ceil(FANS_OF_PART);
-        let num_parts = self.subtrees.len() + num_fans;
+        let num_shares = NUM_SHARES.min(self.subtrees.len());
+        let num_parts = num_shares + num_fans;
         if self.parts.len() < num_parts {
             self.parts.resize_with(num_parts, Part::default);
         }
-        let (apart, round_vertices) = self.parts[..num_parts].split_at_mut(self.subtrees.len());
-        let tree = &self.tree;
+        let (apart, round_vertices) = self.parts[..num_parts].split_at_mut(num_shares);
+        let (tree, subtrees) = (&self.tree, &self.subtrees);
         rayon::join(
             || {
-                self.subtrees.par_iter().zip(apart).for_each(|(&subtrees, part)| {
+                apart.par_iter_mut().with_max_len(1).enumerate().for_each(|(first, part)| {
                     part.contacts.clear();
-                    dispatch(Search { part, tree, mesh, frame, what: subtrees });
+                    let what = SomeSubtrees { all: subtrees, first, step: num_shares };
+                    dispatch(Search { part, tree, mesh, frame, what });
                 });
             },
             || {
                 round_vertices.par_iter_mut().enumerate().for_each(|(index, part)| {
                     part.contacts.clear();
-                    let first = index * FANS_OF_PART;
-                    let rings = first..(first + FANS_OF_PART).min(tree.rings().len());
-                    dispatch(Search { part, tree, mesh, frame, what: rings });
+                    let share = |count: usize| index * count / num_fans..(index + 1) * count / num_fans;
+                    let rings = tree.rings();
+                    let what = SomeRings { eights: share(rings.num_eights()), others: share(rings.others().len()) };
+                    dispatch(Search { part, tree, mesh, frame, what });
                 });
             },
         );

@@ -4,6 +4,7 @@ use super::{
     arithmetic::Plain,
     boxes::{Boxes, Hull, WIDTH},
     separate::{FourTriangles, Triangle, are_apart, are_four_apart, distances_m},
+    singles::{Eights, Singles},
 };
 
 /// Pairs of triangles that are looked at side by side.
@@ -11,8 +12,24 @@ pub(crate) const FOUR: usize = 4;
 
 /// What goes through boxes eight at a time.
 pub(crate) trait Lanes: Copy {
+    type Eight: Eights;
+
+    /// Arithmetic with eight numbers at once.
+    fn eight(self) -> Self::Eight;
+
     /// A bit for each of eight boxes that overlaps another one; touching counts.
     fn overlaps(self, boxes: &Boxes, hull: &Hull) -> u32;
+
+    /// Bit `8 i + k` for each pair of boxes `i` of one node and `k` of another that overlap. All at once: which do is hard to foretell, and a
+    /// wrong guess costs more than a few comparisons.
+    #[inline(always)]
+    fn overlapping_pairs(self, first: &Boxes, second: &Boxes) -> u64 {
+        let mut pairs = 0;
+        for slot in 0..WIDTH {
+            pairs |= u64::from(self.overlaps(second, &first.get(slot))) << (WIDTH * slot);
+        }
+        pairs
+    }
 
     /// A bit for each of four pairs of triangles that is proven to be apart, and those in `unused`.
     fn apart(self, pairs: &[FourTriangles; 2], unused: u32) -> u32;
@@ -32,6 +49,13 @@ pub(crate) trait Task {
 pub(crate) struct Portable;
 
 impl Lanes for Portable {
+    type Eight = Singles<Self>;
+
+    #[inline(always)]
+    fn eight(self) -> Self::Eight {
+        Singles(self)
+    }
+
     #[inline(always)]
     fn overlaps(self, boxes: &Boxes, (low, high): &Hull) -> u32 {
         let mut hits = [true; WIDTH];
@@ -67,6 +91,13 @@ fn one_of(four: &FourTriangles, lane: usize) -> Triangle {
 
 #[cfg(target_arch = "x86_64")]
 impl Lanes for pulp::x86::V3 {
+    type Eight = Singles<Self>;
+
+    #[inline(always)]
+    fn eight(self) -> Self::Eight {
+        Singles(self)
+    }
+
     #[inline(always)]
     fn overlaps(self, boxes: &Boxes, (low, high): &Hull) -> u32 {
         let mut apart = self.splat_u32x8(0);

@@ -15,9 +15,11 @@ mod neighbours;
 mod rings;
 mod search;
 mod separate;
+mod singles;
 #[cfg(test)]
 mod tests;
 mod umbrella;
+mod umbrellas;
 
 use nalgebra::Point3;
 

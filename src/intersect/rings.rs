@@ -1,6 +1,10 @@
 //! The vertices round each vertex, in turn: known from the topology, listed once.
 
+use super::boxes::WIDTH;
 use crate::mesh::{FaceId, Mesh, VertexId};
+
+/// Rings among which those of as many neighbours are looked for: near each other, as long as their vertices are.
+const WINDOW: usize = 1024;
 
 /// Rings of all vertices whose faces could meet beyond them.
 #[derive(Debug, Default)]
@@ -8,6 +12,32 @@ pub(crate) struct Rings {
     centres: Vec<VertexId>,
     offsets: Vec<u32>,
     around: Vec<VertexId>,
+    /// Most of those that close, in eights.
+    eights: Vec<Eight>,
+    /// Their neighbours, side by side.
+    around_eights: Vec<[u32; WIDTH]>,
+    /// All others.
+    others: Vec<u32>,
+}
+
+/// Eight rings that close, of as many neighbours each.
+#[derive(Debug)]
+struct Eight {
+    numbers: [u32; WIDTH],
+    centres: [u32; WIDTH],
+    /// In `around_eights`.
+    start: u32,
+    num_around: u32,
+}
+
+/// Eight rings side by side, as indices of vertices.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EightRings<'a> {
+    /// Their own numbers.
+    pub(crate) numbers: &'a [u32; WIDTH],
+    pub(crate) centres: &'a [u32; WIDTH],
+    /// Their neighbours in turn, each once.
+    pub(crate) around: &'a [[u32; WIDTH]],
 }
 
 /// The neighbourhood of one vertex.
@@ -42,12 +72,58 @@ impl Rings {
                 }
                 if !are_all_joined {
                     rings.centres.push(centre);
-                    let end = u32::try_from(rings.around.len()).expect("two for each corner of a face at most");
-                    rings.offsets.push(end);
+                    rings.offsets.push(small(rings.around.len()));
                 }
             }
         }
+        rings.put_side_by_side();
         rings
+    }
+
+    /// Sorts the rings into eights of as many neighbours, and others.
+    fn put_side_by_side(&mut self) {
+        let mut window = Vec::new();
+        for first in (0..self.len()).step_by(WINDOW) {
+            window.clear();
+            for ring in first..(first + WINDOW).min(self.len()) {
+                let around = self.get(ring).around;
+                let closes = around.len() > 1 && around.first() == around.last();
+                window.push((if closes { around.len() - 1 } else { 0 }, ring));
+            }
+            window.sort_unstable();
+            for alike in window.chunk_by(|a, b| a.0 == b.0) {
+                let num_around = alike[0].0;
+                let (in_eights, others) = alike.split_at(if num_around > 0 { alike.len() / WIDTH * WIDTH } else { 0 });
+                for eight in in_eights.chunks_exact(WIDTH) {
+                    let rings: [usize; WIDTH] = std::array::from_fn(|lane| eight[lane].1);
+                    let start = small(self.around_eights.len());
+                    for step in 0..num_around {
+                        self.around_eights.push(rings.map(|ring| self.get(ring).around[step].0));
+                    }
+                    let centres = rings.map(|ring| self.centres[ring].0);
+                    let num_around = small(num_around);
+                    self.eights.push(Eight { numbers: rings.map(small), centres, start, num_around });
+                }
+                self.others.extend(others.iter().map(|&(_, ring)| small(ring)));
+            }
+        }
+    }
+
+    /// How many rings are listed in eights, in eights of rings.
+    pub(crate) fn num_eights(&self) -> usize {
+        self.eights.len()
+    }
+
+    #[inline(always)]
+    pub(crate) fn eight(&self, index: usize) -> EightRings<'_> {
+        let Eight { numbers, centres, start, num_around } = &self.eights[index];
+        let around = &self.around_eights[*start as usize..(*start + *num_around) as usize];
+        EightRings { numbers, centres, around }
+    }
+
+    /// The rings that are in no eight.
+    pub(crate) fn others(&self) -> &[u32] {
+        &self.others
     }
 
     /// Appends the ring; false if the faces do not form one simple fan.
@@ -89,4 +165,8 @@ impl Rings {
         let around = &self.around[self.offsets[index] as usize..self.offsets[index + 1] as usize];
         Ring { centre: self.centres[index], around }
     }
+}
+
+fn small(index: usize) -> u32 {
+    u32::try_from(index).expect("two for each corner of a face at most")
 }

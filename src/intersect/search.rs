@@ -3,12 +3,14 @@
 use std::ops::Range;
 
 use super::{
+    boxes::WIDTH,
     broad::{FaceTree, NodePair},
-    coherence::{Coherence, LeafPair, RINGS_OF_GROUP, until},
+    coherence::{Coherence, LeafPair, NEVER_SEEN, RINGS_OF_GROUP, TOUCHING, until},
     lanes::{FOUR, Lanes, Task},
     narrow::{Contact, Fan, contact, share_a_vertex},
-    separate::{ALL_FOUR, FourTriangles, Triangle, put},
+    separate::{ALL_FOUR, FourTriangles, Triangle, are_eight_apart, put},
     umbrella::Umbrella,
+    umbrellas::are_open,
 };
 use crate::{
     frame::Frame,
@@ -48,6 +50,40 @@ impl<T> Search<'_, T> {
         }
     }
 
+    /// Tests those of up to four pairs that are not marked in `apart`.
+    #[inline(always)]
+    fn test_rest(&mut self, four: &[[u32; 2]], apart: u32) {
+        for (lane, &places) in four.iter().enumerate() {
+            if apart >> lane & 1 == 0 {
+                self.test(places);
+            }
+        }
+    }
+
+    /// Drops the pairs that single precision proves to be apart.
+    #[inline(always)]
+    fn keep_close<L: Lanes>(&self, lanes: L, pairs: &mut Vec<[u32; 2]>) {
+        let mut corners = [[[0; WIDTH]; 3]; 2];
+        let mut num_kept = 0;
+        for first in (0..pairs.len()).step_by(WIDTH) {
+            let num_pairs = WIDTH.min(pairs.len() - first);
+            for lane in 0..num_pairs {
+                for (triangle, place) in corners.iter_mut().zip(pairs[first + lane]) {
+                    for (corner, vertex) in triangle.iter_mut().zip(self.tree.corners(place)) {
+                        corner[lane] = vertex.0;
+                    }
+                }
+            }
+            let mut close = !are_eight_apart(lanes.eight(), self.tree.mapped(), &corners, 0) & ((1 << num_pairs) - 1);
+            while close != 0 {
+                pairs[num_kept] = pairs[first + close.trailing_zeros() as usize];
+                close &= close - 1;
+                num_kept += 1;
+            }
+        }
+        pairs.truncate(num_kept);
+    }
+
     /// Puts up to four pairs side by side, and says which lanes are left: what lies there is that of earlier pairs.
     #[inline(always)]
     fn load(&self, four: &[[u32; 2]], triangles: &mut [FourTriangles; 2]) -> u32 {
@@ -72,6 +108,15 @@ impl<T> Search<'_, T> {
         room
     }
 
+    /// Tests the faces of a ring.
+    #[inline(always)]
+    fn test_ring_unless_open(&mut self, ring: u32) {
+        let ring = ring as usize;
+        if !self.part.umbrella.is_open(self.frame, self.tree.rings().get(ring)) {
+            self.test_fan(ring);
+        }
+    }
+
     /// Tests the faces of a ring pair by pair.
     fn test_fan(&mut self, ring: usize) {
         let centre = self.tree.rings().get(ring).centre;
@@ -80,38 +125,58 @@ impl<T> Search<'_, T> {
     }
 }
 
-impl Task for Search<'_, NodePair> {
-    /// Tests the pairs of two subtrees.
+/// Pairs of subtrees: the first and every `step`th from there.
+pub(super) struct SomeSubtrees<'a> {
+    pub(super) all: &'a [NodePair],
+    pub(super) first: usize,
+    pub(super) step: usize,
+}
+
+impl Task for Search<'_, SomeSubtrees<'_>> {
+    /// Tests the pairs of faces of pairs of subtrees.
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
         let Part { stack, pairs, .. } = &mut *self.part;
         pairs.clear();
-        self.tree.search(lanes, self.what, stack, |places| pairs.push(places));
-        let pairs = std::mem::take(&mut self.part.pairs);
+        let SomeSubtrees { all, first, step } = self.what;
+        for &subtrees in all.iter().skip(first).step_by(step) {
+            self.tree.search(lanes, subtrees, stack, |places| pairs.push(places));
+        }
+        let mut pairs = std::mem::take(&mut self.part.pairs);
+        self.keep_close(lanes, &mut pairs);
         let mut triangles = <[FourTriangles; 2]>::default();
         // Not one by one as they are found: what is called from there would be compiled for the least of instruction sets.
         for four in pairs.chunks(FOUR) {
             let unused = self.load(four, &mut triangles);
             let apart = lanes.apart(&triangles, unused);
-            for (lane, &places) in four.iter().enumerate() {
-                if apart >> lane & 1 == 0 {
-                    self.test(places);
-                }
-            }
+            self.test_rest(four, apart);
         }
         self.part.pairs = pairs;
     }
 }
 
-impl Task for Search<'_, Range<usize>> {
+/// Rings: some of those in eights, and some of the others.
+pub(super) struct SomeRings {
+    pub(super) eights: Range<usize>,
+    pub(super) others: Range<usize>,
+}
+
+impl Task for Search<'_, SomeRings> {
     /// Tests the pairs of faces round vertices, which always touch.
     #[inline(always)]
-    fn run<L: Lanes>(mut self, _: L) {
-        for ring in self.what.clone() {
-            let is_open = self.part.umbrella.is_open(self.frame, self.tree.rings().get(ring));
-            if !is_open {
-                self.test_fan(ring);
+    fn run<L: Lanes>(mut self, lanes: L) {
+        let tree = self.tree;
+        let SomeRings { eights, others } = &self.what;
+        let (eights, others) = (eights.clone(), &tree.rings().others()[others.clone()]);
+        for rings in eights.map(|eight| tree.rings().eight(eight)) {
+            let mut closed = !are_open(lanes.eight(), tree.mapped(), &rings) & 0xff;
+            while closed != 0 {
+                self.test_ring_unless_open(rings.numbers[closed.trailing_zeros() as usize]);
+                closed &= closed - 1;
             }
+        }
+        for &ring in others {
+            self.test_ring_unless_open(ring);
         }
     }
 }
@@ -127,33 +192,61 @@ impl Task for Search<'_, KeptPairs<'_>> {
     /// Tests the pairs of leaves whose time has come.
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
-        let (tree, frame, margin_m, clocks) = (self.tree, self.frame, self.what.margin_m, self.what.clocks);
         let mut near = std::mem::take(&mut self.part.pairs);
-        let mut triangles = <[FourTriangles; 2]>::default();
         for index in 0..self.what.pairs.len() {
             let LeafPair { leaves, until: end } = self.what.pairs[index];
-            let now = Coherence::time_of(clocks, leaves);
+            let now = Coherence::time_of(self.what.clocks, leaves);
             if now < end {
                 continue;
             }
-            near.clear();
-            let others = tree.search_leaf(lanes, frame, leaves, margin_m, |places| near.push(places));
-            let mut nearest = f64::INFINITY;
-            for four in near.chunks(FOUR) {
-                let unused = self.load(four, &mut triangles);
-                let distances = lanes.distances_m(&triangles, margin_m, unused);
-                for (&places, distance) in four.iter().zip(distances) {
-                    if distance <= 0.0 {
-                        self.test(places);
-                    }
-                    nearest = nearest.min(distance);
-                }
+            // Where faces meet they mostly go on to meet, and then no distance is worth anything.
+            if end.total_cmp(&TOUCHING).is_eq() && self.still_touch(lanes, leaves, &mut near) {
+                continue;
             }
-            // Where nothing is known of the others, not even a number.
-            let span = if others > 0.0 { nearest.min(others) } else { 0.0 };
+            let span = self.distance_m(lanes, leaves, &mut near);
             self.what.pairs[index].until = until(now, span);
         }
         self.part.pairs = near;
+    }
+}
+
+impl Search<'_, KeptPairs<'_>> {
+    /// Tests the faces of two leaves, and says whether some are not proven to be apart; if none, nothing was found.
+    #[inline(always)]
+    fn still_touch<L: Lanes>(&mut self, lanes: L, leaves: [u32; 2], near: &mut Vec<[u32; 2]>) -> bool {
+        near.clear();
+        self.tree.search_leaf(lanes, self.frame, leaves, 0.0, |places| near.push(places));
+        let mut triangles = <[FourTriangles; 2]>::default();
+        let mut touch = false;
+        for four in near.chunks(FOUR) {
+            let unused = self.load(four, &mut triangles);
+            let apart = lanes.apart(&triangles, unused);
+            touch |= apart != ALL_FOUR;
+            self.test_rest(four, apart);
+        }
+        touch
+    }
+
+    /// Tests the faces of two leaves and bounds their distance from below, in metres; zero where nothing is known.
+    #[inline(always)]
+    fn distance_m<L: Lanes>(&mut self, lanes: L, leaves: [u32; 2], near: &mut Vec<[u32; 2]>) -> f64 {
+        let margin_m = self.what.margin_m;
+        near.clear();
+        let others = self.tree.search_leaf(lanes, self.frame, leaves, margin_m, |places| near.push(places));
+        let mut triangles = <[FourTriangles; 2]>::default();
+        let mut nearest = f64::INFINITY;
+        for four in near.chunks(FOUR) {
+            let unused = self.load(four, &mut triangles);
+            let distances = lanes.distances_m(&triangles, margin_m, unused);
+            for (&places, distance) in four.iter().zip(distances) {
+                if distance <= 0.0 {
+                    self.test(places);
+                }
+                nearest = nearest.min(distance);
+            }
+        }
+        // Where nothing is known of the others, not even a number.
+        if others > 0.0 { nearest.min(others) } else { 0.0 }
     }
 }
 
@@ -192,6 +285,6 @@ impl Task for AllLeaves<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let Self { tree, margin_m, stack, pairs } = self;
-        tree.search_leaves(lanes, margin_m, stack, |leaves| pairs.push(LeafPair { leaves, until: 0.0 }));
+        tree.search_leaves(lanes, margin_m, stack, |leaves| pairs.push(LeafPair { leaves, until: NEVER_SEEN }));
     }
 }

@@ -1,12 +1,14 @@
-//! Proofs in plain double arithmetic that two triangles are apart.
+//! Proofs in plain floating-point arithmetic that two triangles are apart.
 //!
 //! If all corners of one triangle lie further along some vector than all corners of the other, they do not meet, whatever the vector is: it may
 //! be the rounded normal of one of them and is taken as exact. What is left to bound is the rounding of the projections. A proof that
 //! succeeds spares the exact signs; one that fails says nothing.
 
 use super::{
-    arithmetic::{Arithmetic, Plain},
+    arithmetic::{Arithmetic, Plain, Roots},
+    boxes::WIDTH,
     lanes::FOUR,
+    singles::{Eights, MAPPED_ERROR, Mapped},
 };
 
 /// Corners in metres.
@@ -18,22 +20,19 @@ pub(crate) type FourTriangles = Triangle<[f64; FOUR]>;
 /// All of four pairs.
 pub(crate) const ALL_FOUR: u32 = (1 << FOUR) - 1;
 
-/// Relative error of a difference of two projections.
+/// Relative error of a difference of two projections, in units of roundoff.
 ///
-/// With unit roundoff e = 2^-53 a projection `m . (p - o)` has one rounding in the difference, one in the product and two in the sums: its error
+/// With unit roundoff e a projection `m . (p - o)` has one rounding in the difference, one in the product and two in the sums: its error
 /// is at most 4 e (1 + 4 e) times `sum |m_i| |p_i - o_i|`. Two projections and the rounding of their difference make 10 e of the largest such sum; the
 /// sum itself is computed with as many roundings, hence 16.
-const ROUNDING: f64 = 16.0 * (f64::EPSILON / 2.0);
-
-/// Differences below it may come from underflow, where errors are not relative.
-const FLOOR: f64 = 1e-290;
+const ROUNDING: f64 = 16.0;
 
 /// Two triangles, or several pairs side by side, relative to the first corner of the first.
 struct Relative<A: Arithmetic> {
     by: A,
     a: [[A::Value; 3]; 2],
     b: [[A::Value; 3]; 3],
-    /// The largest magnitude of each coordinate.
+    /// The largest magnitude of each coordinate, or more.
     reach: [A::Value; 3],
 }
 
@@ -64,25 +63,17 @@ impl<A: Arithmetic> Relative<A> {
         across
     }
 
-    /// Tries directions that may part the triangles until one will do: from middle to middle, both normals, and those at right angles to an edge
-    /// within its triangle's plane, which part neighbours in one sheet.
+    /// Tries directions that may part the triangles until one will do: first those of [`likely_direction`](Self::likely_direction), then those
+    /// at right angles to an edge within its triangle's plane, which part neighbours in one sheet.
     #[inline(always)]
     fn any_direction(&self, test: &mut impl Test<A>) -> bool {
-        let Self { by, a, b, .. } = *self;
-        if test.will_do(self, self.across()) {
+        let Self { by, a, .. } = *self;
+        if self.likely_direction(test) {
             return true;
         }
-        let normal_a = by.cross(a[0], a[1]);
-        if test.will_do(self, normal_a) {
-            return true;
-        }
-        let edges_b = [by.minus(b[1], b[0]), by.minus(b[2], b[1]), by.minus(b[0], b[2])];
-        let normal_b = by.cross(edges_b[0], edges_b[1]);
-        if test.will_do(self, normal_b) {
-            return true;
-        }
-        let edges_a = [a[0], by.minus(a[1], a[0]), a[1]];
-        for (edges, normal) in [(edges_a, normal_a), (edges_b, normal_b)] {
+        let (edges_a, edges_b) = ([a[0], by.minus(a[1], a[0]), a[1]], self.edges_of_b());
+        let normals = [by.cross(a[0], a[1]), by.cross(edges_b[0], edges_b[1])];
+        for (edges, normal) in [(edges_a, normals[0]), (edges_b, normals[1])] {
             for edge in edges {
                 if test.will_do(self, by.cross(edge, normal)) {
                     return true;
@@ -90,6 +81,23 @@ impl<A: Arithmetic> Relative<A> {
             }
         }
         false
+    }
+
+    /// The same with a few directions: from middle to middle, and both normals.
+    #[inline(always)]
+    fn likely_direction(&self, test: &mut impl Test<A>) -> bool {
+        let Self { by, a, .. } = *self;
+        if test.will_do(self, self.across()) || test.will_do(self, by.cross(a[0], a[1])) {
+            return true;
+        }
+        let [one, other, _] = self.edges_of_b();
+        test.will_do(self, by.cross(one, other))
+    }
+
+    #[inline(always)]
+    fn edges_of_b(&self) -> [[A::Value; 3]; 3] {
+        let Self { by, b, .. } = *self;
+        [by.minus(b[1], b[0]), by.minus(b[2], b[1]), by.minus(b[0], b[2])]
     }
 
     /// How much further one triangle lies along `m` than the other, times the length of `m`: less than the truth, or not positive.
@@ -103,7 +111,8 @@ impl<A: Arithmetic> Relative<A> {
         let (low_b, high_b) = (by.lower(by.lower(r, s), t), by.higher(by.higher(r, s), t));
         let gap = by.higher(by.difference(low_b, high_a), by.difference(low_a, high_b));
         let magnitudes = [by.magnitude(m[0]), by.magnitude(m[1]), by.magnitude(m[2])];
-        by.difference(gap, by.sum(by.product(by.of(ROUNDING), by.dot(magnitudes, reach)), by.of(FLOOR)))
+        let rounding = by.product(by.of(ROUNDING * A::ROUNDOFF), by.dot(magnitudes, reach));
+        by.difference(gap, by.sum(rounding, by.of(A::FLOOR)))
     }
 }
 
@@ -130,7 +139,7 @@ impl Test<Plain> for Parts {
 /// A lower bound of the distance of two triangles, or of several pairs side by side, in metres; zero where none is known. What is beyond
 /// `enough` does not matter, nor what lies in the lanes of `unused`.
 #[inline(always)]
-pub(crate) fn distances_m<A: Arithmetic>(by: A, pairs: [&Triangle<A::Value>; 2], enough: f64, unused: u32) -> A::Value {
+pub(crate) fn distances_m<A: Roots>(by: A, pairs: [&Triangle<A::Value>; 2], enough: f64, unused: u32) -> A::Value {
     let mut farthest = Farthest { distance: by.of(0.0), enough: by.of(enough), unused };
     Relative::new(by, pairs[0], pairs[1]).any_direction(&mut farthest);
     farthest.distance
@@ -142,14 +151,15 @@ struct Farthest<T> {
     unused: u32,
 }
 
-impl<A: Arithmetic> Test<A> for Farthest<A::Value> {
+impl<A: Roots> Test<A> for Farthest<A::Value> {
     #[inline(always)]
     fn will_do(&mut self, relative: &Relative<A>, m: [A::Value; 3]) -> bool {
         let by = relative.by;
         let (gap, square) = (relative.gap_along(m), by.dot(m, m));
         let distance = by.product(by.quotient(gap, by.root(square)), by.of(1.0 - 1e-14));
         // Of a square that underflows nothing is known.
-        let distance = by.only_where(gap, by.only_where(by.difference(square, by.of(1e-280)), distance));
+        let zero = by.of(0.0);
+        let distance = by.choose(gap, by.choose(by.difference(square, by.of(1e-280)), distance, zero), zero);
         self.distance = by.higher(self.distance, distance);
         by.positive(by.difference(self.enough, self.distance)) & !self.unused == 0
     }
@@ -158,20 +168,47 @@ impl<A: Arithmetic> Test<A> for Farthest<A::Value> {
 /// One bit for each of four pairs of triangles that is proven to be apart, or that is marked in `unused`.
 #[inline(always)]
 pub(crate) fn are_four_apart<A: Arithmetic>(by: A, pairs: [&Triangle<A::Value>; 2], unused: u32) -> u32 {
-    let mut parted = PartsAll { apart: unused };
+    let mut parted = PartsAll { apart: unused, all: ALL_FOUR };
     Relative::new(by, pairs[0], pairs[1]).any_direction(&mut parted);
+    parted.apart
+}
+
+/// The same for eight pairs of mapped triangles, corner by corner. Few directions are tried: what is left is worth double arithmetic.
+///
+/// The map takes each coordinate up to [`MAPPED_ERROR`] away from where a similarity would, and a difference of two projections of differences
+/// four times as far: that much is added to what rounding does.
+#[inline(always)]
+pub(crate) fn are_eight_apart<A: Eights>(
+    by: A,
+    points: &[Mapped],
+    corners: &[[[u32; WIDTH]; 3]; 2],
+    unused: u32,
+) -> u32 {
+    let mut triangles = [[[by.of(0.0); 3]; 3]; 2];
+    for (triangle, corners) in triangles.iter_mut().zip(corners) {
+        for (corner, at) in triangle.iter_mut().zip(corners) {
+            *corner = by.gather(points, at);
+        }
+    }
+    let mut pair = Relative::new(by, &triangles[0], &triangles[1]);
+    for reach in &mut pair.reach {
+        *reach = by.sum(*reach, by.of(5.0 * MAPPED_ERROR / (ROUNDING * A::ROUNDOFF)));
+    }
+    let mut parted = PartsAll { apart: unused, all: 0xff };
+    pair.likely_direction(&mut parted);
     parted.apart
 }
 
 struct PartsAll {
     apart: u32,
+    all: u32,
 }
 
 impl<A: Arithmetic> Test<A> for PartsAll {
     #[inline(always)]
     fn will_do(&mut self, relative: &Relative<A>, m: [A::Value; 3]) -> bool {
         self.apart |= relative.by.positive(relative.gap_along(m));
-        self.apart == ALL_FOUR
+        self.apart == self.all
     }
 }
 
