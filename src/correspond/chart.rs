@@ -80,6 +80,9 @@ impl Chart {
         self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open(mesh);
         let relaxed = self.unfolding.misfit > LARGEST_MISFIT
             && self.relaxation.relax(&self.patch, &self.shapes, &mut self.unfolding);
+        if relaxed {
+            self.unfolding.measure_length(&self.patch);
+        }
         self.scale_to_metres(frame)?;
         self.period = if self.is_cut { self.fit_period() } else { None };
         self.index();
@@ -153,16 +156,15 @@ impl Chart {
 
     /// Texture coordinates have no unit: the sides of the chart get the total length that they have in the world.
     fn scale_to_metres(&mut self, frame: &Frame) -> Option<()> {
-        let (mut chart, mut world) = (0.0, 0.0);
-        for (corners, _) in self.reached() {
-            for k in 0..3 {
-                let (a, b) = (corners[k] as usize, corners[(k + 1) % 3] as usize);
-                chart += (self.unfolding.points[b] - self.unfolding.points[a]).norm();
-                let [a, b] = [a, b].map(|vertex| frame.position(self.patch.vertices()[vertex]));
-                world += (b - a).norm();
+        let mut world = 0.0;
+        for (&[a, b, c], _) in self.reached() {
+            let at = |corner: u32| frame.position(self.patch.vertices()[corner as usize]);
+            let (a, b, c) = (at(a), at(b), at(c));
+            for side in [b - a, c - b, a - c] {
+                world += side.norm();
             }
         }
-        let scale = world / chart;
+        let scale = world / self.unfolding.length;
         if !(scale.is_finite() && scale > 0.0) {
             return None;
         }

@@ -5,8 +5,9 @@ use nalgebra::Point3;
 use super::{
     Correspondences, MaterialPoint, PathCorrespondence, Pull,
     centres::Centres,
-    chart::{Chart, ChartKind},
+    chart::Chart,
     image::Image,
+    laid::{Laid, Mirror, are_mirrored, part_partner},
     lift::Lift,
     rbf::ThinPlate,
     sheets::Sheets,
@@ -44,14 +45,6 @@ pub struct Correspondent {
     face_points: Vec<(FaceId, usize, Point3<f64>)>,
 }
 
-/// Whose charts there are. Where both paths of a pair have a region, the second one needs those of the first, the other way round.
-#[derive(Debug)]
-struct Laid {
-    copy: usize,
-    partner: usize,
-    kinds: [ChartKind; 2],
-}
-
 impl Correspondent {
     /// Finds the correspondence of every path whose region divides its piece. Paths without one, and paths for which no chart
     /// exists, are left out; so are the shortest ones, once the observer says that time is up.
@@ -71,10 +64,10 @@ impl Correspondent {
             if starts_pair(&analysis.paths, order, place) && observer.is_spent() {
                 break;
             }
-            if is_partitioning(analysis, copy)
-                && let Some(found) = self.follow(mesh, frame, analysis, settings, copy)
-            {
-                self.correspondences.paths.push(found);
+            if is_partitioning(analysis, copy) {
+                let found = self.follow(mesh, frame, analysis, settings, copy);
+                self.correspondences.paths.extend(found);
+                self.track.face_own();
             }
             self.correspondences.num_done = place + 1;
         }
@@ -140,10 +133,15 @@ impl Correspondent {
             patch.grow(mesh, OWN_RINGS, MAX_FACES);
             own.build(mesh, frame)?
         };
-        if !self.track.lay_own(mesh, points, segments, path.closed, own) {
-            return None;
+        let mirror = laid.as_ref().and_then(|laid| laid.mirror.clone());
+        if mirror.is_some() {
+            self.track.face_partner();
+        } else {
+            if !self.track.lay_own(mesh, points, segments, path.closed, own) {
+                return None;
+            }
+            own.set_period(self.track.own.period);
         }
-        own.set_period(self.track.own.period);
         let partner_chart = if one_chart {
             own_chart
         } else if let Some(laid) = &laid {
@@ -161,17 +159,24 @@ impl Correspondent {
             partner.build(mesh, frame)?
         };
         if partner_region.is_some() && !one_chart && laid.is_none() {
-            self.laid = Some(Laid { copy, partner: path.partner, kinds: [own_chart, partner_chart] });
+            self.laid = Some(Laid { copy, partner: path.partner, kinds: [own_chart, partner_chart], mirror: None });
         }
-        let other = if one_chart { &mut *own } else { &mut *partner };
-        if !self.track.lay_partner(mesh, points, segments, other) {
-            return None;
+        if mirror.is_none() {
+            let other = if one_chart { &mut *own } else { &mut *partner };
+            if !self.track.lay_partner(mesh, points, segments, other) {
+                return None;
+            }
+            other.set_period(self.track.partner.period);
         }
-        other.set_period(self.track.partner.period);
         let (own, partner) = (&*own, if one_chart { &*own } else { &*partner });
-        let side = self.track.region_side(mesh, points, segments, Sheet::Own, own, region)?;
-        let image_side = partner_region
-            .and_then(|region| self.track.region_side(mesh, points, segments, Sheet::Partner, partner, region));
+        let (side, image_side) = if let Some(Mirror { sides, .. }) = &mirror {
+            (sides.1?, Some(sides.0))
+        } else {
+            let mut side_of =
+                |sheet, chart, region| self.track.region_side(mesh, points, segments, sheet, chart, region);
+            let side = side_of(Sheet::Own, own, region)?;
+            (side, partner_region.and_then(|region| side_of(Sheet::Partner, partner, region)))
+        };
         let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
         let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
 
@@ -180,7 +185,18 @@ impl Correspondent {
         // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
         let share = if partner_region.is_some() && !is_joint { 0.5 } else { 1.0 };
         let (first_pull, first_parting) = (self.correspondences.pulls.len(), self.correspondences.partings.len());
-        sheets.part(sides, share, &mut self.correspondences.partings);
+        let partings = &mut self.correspondences.partings;
+        if let Some(Mirror { partings: of_partner, .. }) = mirror {
+            part_partner(partings, of_partner);
+        } else {
+            sheets.part(sides, share, partings);
+        }
+        if let Some(laid) = &mut self.laid
+            && are_mirrored(&analysis.paths, [copy, path.partner])
+        {
+            let partings = first_parting..partings.len();
+            laid.mirror = Some(Mirror { sides: (side, image_side), partings });
+        }
         let image = Image { own, partner, track: &self.track, plate: &self.plate, sides };
         let pulls = &mut self.correspondences.pulls;
         let mut pull = |source: MaterialPoint| {

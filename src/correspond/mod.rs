@@ -13,6 +13,7 @@ mod find;
 mod grid;
 mod image;
 mod kernel;
+mod laid;
 mod lift;
 mod locate;
 mod material;

@@ -20,6 +20,8 @@ pub(crate) struct Track {
     pub(crate) partner: Lift,
     arclength: Vec<f64>,
     closed: bool,
+    /// Whether path and corresponding path are exchanged.
+    is_turned: bool,
     crossings: Vec<(EdgeId, f64, usize)>,
     loop_vertices: Vec<VertexId>,
 }
@@ -82,6 +84,19 @@ impl Track {
         chart: &Chart,
     ) -> bool {
         self.partner.lay(mesh, points, segments, Sheet::Partner, self.closed, chart)
+    }
+
+    /// Exchanges path and corresponding path, until [`face_own`](Self::face_own).
+    pub(crate) fn face_partner(&mut self) {
+        std::mem::swap(&mut self.own, &mut self.partner);
+        self.is_turned = !self.is_turned;
+    }
+
+    /// Undoes [`face_partner`](Self::face_partner): the next frame shall find memory of the same size.
+    pub(crate) fn face_own(&mut self) {
+        if self.is_turned {
+            self.face_partner();
+        }
     }
 
     /// Whether the path runs round a tube on one of its sheets.

@@ -26,6 +26,10 @@ pub(crate) struct Unfolding {
     pub(crate) tree: Vec<[bool; 3]>,
     /// For each face that was reached, which of its sides have no other face of the patch beyond them.
     pub(crate) rims: Vec<[bool; 3]>,
+    /// Sum of all sides of the faces that were reached, as they lie.
+    pub(crate) length: f64,
+    /// For each face, which of its sides were looked at from beyond.
+    seen: Vec<[bool; 3]>,
     placed: Vec<bool>,
     path_queue: VecDeque<usize>,
     queue: VecDeque<usize>,
@@ -54,6 +58,8 @@ impl Unfolding {
         self.tree.resize(num_faces, [false; 3]);
         self.rims.clear();
         self.rims.resize(num_faces, [false; 3]);
+        self.seen.clear();
+        self.seen.resize(num_faces, [false; 3]);
         self.facing.clear();
         self.facing.resize(num_faces, Facing::Unreached);
         self.scales.clear();
@@ -73,10 +79,14 @@ impl Unfolding {
         let mut orientable = true;
         while let Some(face) = self.path_queue.pop_front().or_else(|| self.queue.pop_front()) {
             for side in 0..3 {
+                if self.seen[face][side] {
+                    continue;
+                }
                 let Some((next, there)) = patch.neighbour(mesh, face, side) else {
                     self.rims[face][side] = true;
                     continue;
                 };
+                self.seen[next][there] = true;
                 let facing = turned(self.facing[face], same_direction(patch, face, side, next), shapes, face, next);
                 match self.facing[next] {
                     Facing::Unreached => {
@@ -97,6 +107,19 @@ impl Unfolding {
         }
         self.measure_misfit(patch, shapes);
         orientable && self.points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
+    }
+
+    /// Adds up the sides anew, after points were moved.
+    pub(crate) fn measure_length(&mut self, patch: &Patch) {
+        self.length = 0.0;
+        for (face, corners) in patch.corners().iter().enumerate() {
+            if self.is_reached(face) {
+                let [a, b, c] = corners.map(|vertex| self.points[vertex as usize]);
+                for side in [b - a, c - b, a - c] {
+                    self.length += side.norm();
+                }
+            }
+        }
     }
 
     /// Whether a face has a place.
@@ -128,18 +151,21 @@ impl Unfolding {
 
     /// Compares the sides of every face with those of its shape at the best common scale.
     fn measure_misfit(&mut self, patch: &Patch, shapes: &[Shape]) {
+        self.length = 0.0;
         for ((corners, shape), &facing) in patch.corners().iter().zip(shapes).zip(&self.facing) {
             if facing == Facing::Unreached {
                 continue;
             }
-            let lies = corners.map(|vertex| self.points[vertex as usize]);
-            let sides = |at: &Shape| [(at[1] - at[0]).norm(), (at[2] - at[1]).norm(), (at[0] - at[2]).norm()];
-            let (placed, wanted) = (sides(&lies), sides(shape));
-            let scale = placed.iter().sum::<f64>() / wanted.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-            let longest = placed.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            for (a, b) in placed.iter().zip(&wanted) {
-                self.misfit = self.misfit.max((a - b * scale).abs() / longest);
+            let [a, b, c] = *corners;
+            let lies = [self.points[a as usize], self.points[b as usize], self.points[c as usize]];
+            let sides = |at: &Shape| ((at[1] - at[0]).norm(), (at[2] - at[1]).norm(), (at[0] - at[2]).norm());
+            let ((p, q, r), (a, b, c)) = (sides(&lies), sides(shape));
+            for side in [p, q, r] {
+                self.length += side;
             }
+            let scale = (p + q + r) / (a + b + c).max(f64::MIN_POSITIVE);
+            let most = (p - a * scale).abs().max((q - b * scale).abs()).max((r - c * scale).abs());
+            self.misfit = self.misfit.max(most / p.max(q).max(r).max(f64::MIN_POSITIVE));
         }
     }
 }

@@ -22,6 +22,9 @@ const LEAVES_OF_REGION: usize = 8;
 /// Rings that share a clock.
 pub(crate) const RINGS_OF_GROUP: usize = 32;
 
+/// Pairs of leaves that are passed over together.
+pub(crate) const PAIRS_OF_GROUP: usize = 32;
+
 /// Sets or vertices that one thread takes in one go, at least.
 const LEAST_SHARE: usize = 1024;
 
@@ -70,16 +73,64 @@ impl Sets {
         self.clocks.push(0.0);
     }
 
-    fn advance(&mut self, steps: &[f64]) {
+    fn advance(&mut self, steps: &Steps) {
         let (offsets, vertices) = (&self.offsets, &self.vertices);
         self.clocks.par_iter_mut().with_min_len(LEAST_SHARE / 8).enumerate().for_each(|(set, clock)| {
             let of_set = &vertices[offsets[set] as usize..offsets[set + 1] as usize];
             let longest = of_set.iter().fold(0.0, |longest, vertex| {
-                let step = steps[vertex.index()];
-                if step > longest { step } else { longest }
+                let square = steps.squares[vertex.index()];
+                if square > longest { square } else { longest }
             });
-            *clock = (*clock + longest) * (1.0 + ROUNDING);
+            *clock = (*clock + steps.bound_m(longest)) * (1.0 + ROUNDING);
         });
+    }
+
+    fn latest(&self) -> f64 {
+        self.clocks.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// How far vertices moved from one frame to the next, but for a motion that all share.
+#[derive(Debug, Default)]
+struct Steps {
+    /// For each vertex the square of its step in square metres.
+    squares: Vec<f64>,
+    /// The longest motion with the common one, in metres: what rounding of a step goes by.
+    farthest_m: f64,
+}
+
+impl Steps {
+    /// A bound of a step with this square. Squares that vanish are below 1e-160 metres.
+    fn bound_m(&self, square: f64) -> f64 {
+        square.sqrt() * (1.0 + ROUNDING) + ROUNDING * self.farthest_m + 1e-150
+    }
+
+    /// Measures the steps from `previous`, which become `positions`; a bound of the longest of them, in metres.
+    fn measure(&mut self, previous: &mut [Point3<f64>], positions: &[Point3<f64>]) -> f64 {
+        // Any common motion will do; the mean of some is close to the best one.
+        let stride = positions.len() / 512 + 1;
+        let samples = positions.iter().zip(&*previous).step_by(stride);
+        let (sum, count) =
+            samples.fold((Vector3::zeros(), 0.0), |(sum, count), (now, before)| (sum + (now - before), count + 1.0));
+        let common: Vector3<f64> = if count > 0.0 { sum / count } else { sum };
+        let squares = self.squares.par_chunks_mut(LEAST_SHARE);
+        let shares = squares.zip(previous.par_chunks_mut(LEAST_SHARE)).zip(positions.par_chunks(LEAST_SHARE));
+        let of_shares = shares.map(|((squares, previous), positions)| {
+            let (mut longest, mut farthest) = (0.0, 0.0);
+            for ((square, before), now) in squares.iter_mut().zip(previous).zip(positions) {
+                let moved = now - *before;
+                let apart = moved - common;
+                *square = apart.dot(&apart);
+                *before = *now;
+                let far = moved.x.abs() + moved.y.abs() + moved.z.abs();
+                longest = if *square > longest { *square } else { longest };
+                farthest = if far > farthest { far } else { farthest };
+            }
+            (longest, farthest)
+        });
+        let (longest, farthest) = of_shares.reduce(|| (0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        self.farthest_m = farthest;
+        self.bound_m(longest)
     }
 }
 
@@ -89,12 +140,28 @@ pub(crate) struct Coherence {
     regions: Sets,
     groups: Sets,
     previous: Vec<Point3<f64>>,
-    steps: Vec<f64>,
+    steps: Steps,
     /// Leaves that are not listed in `pairs` are further apart than this, in metres, from when all clocks stood at zero; zero if nothing is kept.
     margin_m: f64,
     pub(crate) pairs: Vec<LeafPair>,
+    /// For each [`PAIRS_OF_GROUP`] of them when the first proof runs out.
+    first_of_pairs: Vec<f64>,
     /// For each ring of the tree.
-    pub(crate) rings_until: Vec<f64>,
+    rings_until: Vec<f64>,
+    /// For each [`RINGS_OF_GROUP`] of them when the first proof runs out.
+    first_of_rings: Vec<f64>,
+}
+
+/// The clocks of regions and of groups of rings, and the proofs that run by each.
+pub(crate) struct Parts<'a> {
+    pub(crate) regions: &'a [f64],
+    /// No region's clock has gone further.
+    pub(crate) latest: f64,
+    pub(crate) pairs: &'a mut [LeafPair],
+    pub(crate) first_of_pairs: &'a mut [f64],
+    pub(crate) groups: &'a [f64],
+    pub(crate) rings_until: &'a mut [f64],
+    pub(crate) first_of_rings: &'a mut [f64],
 }
 
 impl Coherence {
@@ -114,7 +181,8 @@ impl Coherence {
             }
             self.groups.push(&mut vertices);
         }
-        self.rings_until.resize(tree.rings().len(), 0.0);
+        self.rings_until.resize(tree.rings().len(), TOUCHING);
+        self.first_of_rings.resize(tree.rings().len().div_ceil(RINGS_OF_GROUP), TOUCHING);
     }
 
     /// Forgets the last frame.
@@ -134,16 +202,15 @@ impl Coherence {
         if self.previous.len() != positions.len() {
             self.previous.clear();
             self.previous.extend_from_slice(positions);
-            self.steps.resize(positions.len(), 0.0);
+            self.steps.squares.resize(positions.len(), 0.0);
             self.margin_m = 0.0;
             return Mode::Cold;
         }
-        let longest = self.measure_steps(positions);
+        let longest = self.steps.measure(&mut self.previous, positions);
         if self.margin_m > 0.0 {
             self.regions.advance(&self.steps);
             self.groups.advance(&self.steps);
-            let latest = self.regions.clocks.iter().copied().fold(0.0, f64::max);
-            if 2.0 * latest < self.margin_m {
+            if 2.0 * self.regions.latest() < self.margin_m {
                 return Mode::Kept;
             }
             self.margin_m = 0.0;
@@ -161,30 +228,10 @@ impl Coherence {
             sets.clocks.fill(0.0);
         }
         self.pairs.clear();
-        self.rings_until.fill(0.0);
+        self.first_of_pairs.clear();
+        self.rings_until.fill(TOUCHING);
+        self.first_of_rings.fill(TOUCHING);
         Mode::Anew
-    }
-
-    /// Bounds of how far each vertex moved, but for a motion that all share; the longest of them.
-    fn measure_steps(&mut self, positions: &[Point3<f64>]) -> f64 {
-        // Any common motion will do; the mean of some is close to the best one.
-        let stride = positions.len() / 512 + 1;
-        let samples = positions.iter().zip(&self.previous).step_by(stride);
-        let (sum, count) =
-            samples.fold((Vector3::zeros(), 0.0), |(sum, count), (now, before)| (sum + (now - before), count + 1.0));
-        let common: Vector3<f64> = if count > 0.0 { sum / count } else { sum };
-        let vertices = self.steps.par_iter_mut().with_min_len(LEAST_SHARE).zip(&mut self.previous).zip(positions);
-        vertices
-            .map(|((step, before), now)| {
-                let moved = now - *before;
-                let apart = moved - common;
-                // Squares that vanish are below 1e-160 metres.
-                let length = apart.dot(&apart).sqrt() * (1.0 + ROUNDING);
-                *step = length + ROUNDING * (moved.x.abs() + moved.y.abs() + moved.z.abs()) + 1e-150;
-                *before = *now;
-                *step
-            })
-            .reduce(|| 0.0, f64::max)
     }
 
     /// The clocks of two leaves together.
@@ -194,9 +241,19 @@ impl Coherence {
         a + b
     }
 
-    /// The clocks of regions, then of groups, and the proofs that run by each.
-    pub(crate) fn parts(&mut self) -> (&[f64], &mut [LeafPair], &[f64], &mut [f64]) {
-        (&self.regions.clocks, &mut self.pairs, &self.groups.clocks, &mut self.rings_until)
+    /// All of it, in the order in which the search goes through it.
+    pub(crate) fn parts(&mut self) -> Parts<'_> {
+        // Of pairs that were never seen the first time is long past.
+        self.first_of_pairs.resize(self.pairs.len().div_ceil(PAIRS_OF_GROUP), NEVER_SEEN);
+        Parts {
+            latest: self.regions.latest(),
+            regions: &self.regions.clocks,
+            pairs: &mut self.pairs,
+            first_of_pairs: &mut self.first_of_pairs,
+            groups: &self.groups.clocks,
+            rings_until: &mut self.rings_until,
+            first_of_rings: &mut self.first_of_rings,
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{
     Intersections, Segment, SegmentEnd,
     broad::{FaceTree, NodePair},
-    coherence::{Coherence, Mode},
+    coherence::{Coherence, Mode, PAIRS_OF_GROUP, RINGS_OF_GROUP},
     lanes::dispatch,
     locate::locate,
     narrow::{Contact, Crossing},
@@ -122,26 +122,32 @@ impl Intersector {
     fn search_kept(&mut self, mesh: &Mesh, frame: &Frame) {
         let tree = &self.tree;
         let margin_m = self.coherence.margin_m();
-        let (region_clocks, pairs, group_clocks, rings_until) = self.coherence.parts();
-        let num_apart = pairs.len().div_ceil(PAIRS_OF_PART);
-        let num_parts = num_apart + rings_until.len().div_ceil(FANS_OF_PART);
+        let kept = self.coherence.parts();
+        let num_apart = kept.pairs.len().div_ceil(PAIRS_OF_PART);
+        let num_parts = num_apart + kept.rings_until.len().div_ceil(FANS_OF_PART);
         if self.kept_parts.len() < num_parts {
             self.kept_parts.resize_with(num_parts, Part::default);
         }
         let (apart, round_vertices) = self.kept_parts[..num_parts].split_at_mut(num_apart);
+        let (clocks, latest) = (kept.regions, kept.latest);
         rayon::join(
             || {
-                pairs.par_chunks_mut(PAIRS_OF_PART).zip(apart).for_each(|(pairs, part)| {
+                let pairs = kept.pairs.par_chunks_mut(PAIRS_OF_PART);
+                let first = kept.first_of_pairs.par_chunks_mut(PAIRS_OF_PART / PAIRS_OF_GROUP);
+                pairs.zip(first).zip(apart).for_each(|((pairs, first), part)| {
                     part.contacts.clear();
-                    let what = KeptPairs { pairs, clocks: region_clocks, margin_m };
+                    let what = KeptPairs { pairs, first, clocks, latest, margin_m };
                     dispatch(Search { part, tree, mesh, frame, what });
                 });
             },
             || {
-                let rings = rings_until.par_chunks_mut(FANS_OF_PART).zip(round_vertices);
-                rings.enumerate().for_each(|(index, (rings_until, part))| {
+                let rings = kept.rings_until.par_chunks_mut(FANS_OF_PART);
+                let first = kept.first_of_rings.par_chunks_mut(FANS_OF_PART / RINGS_OF_GROUP);
+                let clocks = kept.groups.par_chunks(FANS_OF_PART / RINGS_OF_GROUP);
+                let shares = rings.zip(first).zip(clocks).zip(round_vertices).enumerate();
+                shares.for_each(|(index, (((rings_until, first), clocks), part))| {
                     part.contacts.clear();
-                    let what = KeptRings { first: index * FANS_OF_PART, rings_until, clocks: group_clocks };
+                    let what = KeptRings { start: index * FANS_OF_PART, rings_until, first, clocks };
                     dispatch(Search { part, tree, mesh, frame, what });
                 });
             },

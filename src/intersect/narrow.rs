@@ -35,7 +35,8 @@ struct Corners {
 impl Corners {
     fn of(mesh: &Mesh, frame: &Frame, face: FaceId) -> Self {
         let vertices = mesh.face(face);
-        Self { face, first: 0, vertices, sites: vertices.map(|vertex| frame.site(vertex)) }
+        let [a, b, c] = vertices;
+        Self { face, first: 0, vertices, sites: [frame.site(a), frame.site(b), frame.site(c)] }
     }
 
     /// The same face with its corners turned round so that `vertex` stands first.
@@ -48,6 +49,13 @@ impl Corners {
 
     fn plane(&self) -> Plane {
         Plane::through(self.sites)
+    }
+
+    /// The sides of a plane on which the corners lie.
+    #[inline]
+    fn sides_of(&self, plane: &Plane) -> [Side; 3] {
+        let [a, b, c] = self.sites;
+        [plane.side_of(a), plane.side_of(b), plane.side_of(c)]
     }
 }
 
@@ -80,6 +88,8 @@ pub fn do_intersect(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> bool {
 /// Tests one pair of usable faces without a common vertex.
 ///
 /// Cost: most pairs end after three signs.
+// Out of the way of the loops that call it now and then, and are to be inlined whole.
+#[inline(never)]
 pub(crate) fn contact(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> Option<Contact> {
     // One order, so that nothing depends on how the pair was found.
     let [first, second] = if faces[0] < faces[1] { faces } else { [faces[1], faces[0]] };
@@ -94,25 +104,24 @@ pub(crate) fn contact_beyond(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2], ver
 }
 
 fn apart(mesh: &Mesh, a: &Corners, b: &Corners) -> Option<Contact> {
-    let plane = a.plane();
-    let sides_b = b.sites.map(|site| plane.side_of(site));
+    let sides_b = b.sides_of(&a.plane());
     if sides_b[0] == sides_b[1] && sides_b[1] == sides_b[2] {
         return None;
     }
-    let plane = b.plane();
-    let sides_a = a.sites.map(|site| plane.side_of(site));
+    let sides_a = a.sides_of(&b.plane());
     if sides_a[0] == sides_a[1] && sides_a[1] == sides_a[2] {
         return None;
     }
     // Each face crosses the other's plane along two edges, those of the corner that lies alone. All four pierce the common line of the planes;
     // on which side of one of them another one passes says in which order, and so which lie within the other face.
     let (alone_a, alone_b) = (alone(sides_a), alone(sides_b));
-    let passes = |i: usize, j: usize| {
-        let [p, q] = [alone_a, (alone_a + i) % 3].map(|corner| a.sites[corner]);
-        let [r, s] = [alone_b, (alone_b + j) % 3].map(|corner| b.sites[corner]);
-        side_of_plane(p, q, r, s)
-    };
-    let [[aa, ab], [ba, bb]] = [[passes(1, 1), passes(1, 2)], [passes(2, 1), passes(2, 2)]];
+    let from_a = |step: usize| a.sites[(alone_a + step) % 3];
+    let from_b = |step: usize| b.sites[(alone_b + step) % 3];
+    // Of an edge of a from its corner p to q and one of b from r to s: the side of the plane (p, q, r) of s is that of (p, r, s) of q.
+    let first = Plane::through([from_a(0), from_b(0), from_b(1)]);
+    let second = Plane::through([from_a(0), from_b(0), from_b(2)]);
+    let (aa, ab) = (first.side_of(from_a(1)), second.side_of(from_a(1)));
+    let (ba, bb) = (first.side_of(from_a(2)), second.side_of(from_a(2)));
     let edge_from = |of: &Corners, corner: usize, step: usize| edge_at(mesh, of, (corner + 2 * (step - 1)) % 3);
     let mut crossings = [None; 2];
     let mut num_crossings = 0;

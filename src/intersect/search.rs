@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{
     boxes::WIDTH,
     broad::{FaceTree, NodePair},
-    coherence::{Coherence, LeafPair, NEVER_SEEN, RINGS_OF_GROUP, TOUCHING, until},
+    coherence::{Coherence, LeafPair, NEVER_SEEN, PAIRS_OF_GROUP, RINGS_OF_GROUP, TOUCHING, until},
     lanes::{FOUR, Lanes, Task},
     narrow::{Contact, Fan, contact, share_a_vertex},
     separate::{ALL_FOUR, FourTriangles, Triangle, are_eight_apart, put},
@@ -184,7 +184,11 @@ impl Task for Search<'_, SomeRings> {
 /// Proofs about pairs of leaves, and the clocks by which they run out.
 pub(super) struct KeptPairs<'a> {
     pub(super) pairs: &'a mut [LeafPair],
+    /// For each group of them when the first proof runs out.
+    pub(super) first: &'a mut [f64],
     pub(super) clocks: &'a [f64],
+    /// No clock has gone further.
+    pub(super) latest: f64,
     pub(super) margin_m: f64,
 }
 
@@ -193,18 +197,26 @@ impl Task for Search<'_, KeptPairs<'_>> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
         let mut near = std::mem::take(&mut self.part.pairs);
-        for index in 0..self.what.pairs.len() {
-            let LeafPair { leaves, until: end } = self.what.pairs[index];
-            let now = Coherence::time_of(self.what.clocks, leaves);
-            if now < end {
+        for group in 0..self.what.first.len() {
+            if 2.0 * self.what.latest < self.what.first[group] {
                 continue;
             }
-            // Where faces meet they mostly go on to meet, and then no distance is worth anything.
-            if end.total_cmp(&TOUCHING).is_eq() && self.still_touch(lanes, leaves, &mut near) {
-                continue;
+            let mut first = f64::INFINITY;
+            let start = group * PAIRS_OF_GROUP;
+            for index in start..(start + PAIRS_OF_GROUP).min(self.what.pairs.len()) {
+                let LeafPair { leaves, until: mut end } = self.what.pairs[index];
+                let now = Coherence::time_of(self.what.clocks, leaves);
+                if now >= end {
+                    // Where faces meet they mostly go on to meet, and then no distance is worth anything.
+                    let touched = end.total_cmp(&TOUCHING).is_eq();
+                    if !(touched && self.still_touch(lanes, leaves, &mut near)) {
+                        end = until(now, self.distance_m(lanes, leaves, &mut near));
+                        self.what.pairs[index].until = end;
+                    }
+                }
+                first = if end < first { end } else { first };
             }
-            let span = self.distance_m(lanes, leaves, &mut near);
-            self.what.pairs[index].until = until(now, span);
+            self.what.first[group] = first;
         }
         self.part.pairs = near;
     }
@@ -253,8 +265,10 @@ impl Search<'_, KeptPairs<'_>> {
 /// Proofs about rings, and the clocks by which they run out.
 pub(super) struct KeptRings<'a> {
     /// The first of them.
-    pub(super) first: usize,
+    pub(super) start: usize,
     pub(super) rings_until: &'a mut [f64],
+    /// For each group of them when the first proof runs out, and its clock.
+    pub(super) first: &'a mut [f64],
     pub(super) clocks: &'a [f64],
 }
 
@@ -262,13 +276,22 @@ impl Task for Search<'_, KeptRings<'_>> {
     /// Tests the rings whose time has come.
     #[inline(always)]
     fn run<L: Lanes>(mut self, _: L) {
-        for index in 0..self.what.rings_until.len() {
-            let ring = self.what.first + index;
-            let now = self.what.clocks[ring / RINGS_OF_GROUP];
-            if now >= self.what.rings_until[index] {
-                let room = self.test_ring(ring);
-                self.what.rings_until[index] = until(now, room);
+        for group in 0..self.what.first.len() {
+            let now = self.what.clocks[group];
+            if now < self.what.first[group] {
+                continue;
             }
+            let mut first = f64::INFINITY;
+            let start = group * RINGS_OF_GROUP;
+            for index in start..(start + RINGS_OF_GROUP).min(self.what.rings_until.len()) {
+                let mut end = self.what.rings_until[index];
+                if now >= end {
+                    end = until(now, self.test_ring(self.what.start + index));
+                    self.what.rings_until[index] = end;
+                }
+                first = if end < first { end } else { first };
+            }
+            self.what.first[group] = first;
         }
     }
 }
