@@ -57,8 +57,8 @@ pub(crate) fn folded(seed: u64, resolution: u32, furrows: Furrows) -> Sheet {
             let y = 0.5 + half_turn - beyond;
             [y, gap - DEPTH * gap * depth_at([u, y])]
         };
-        // Bent as a whole, so that no two faces lie in one plane.
-        [u, y, z + 0.02 * (3.0 * u + y).sin() + 0.01 * (7.0 * y).cos()]
+        // The upper layer slid aside and all of it bent, so that no edges and no faces of the two lie in one plane.
+        [u + 0.31 * z, y, z + 0.02 * (3.0 * u + y).sin() + 0.01 * (7.0 * y).cos()]
     });
     Sheet { positions: positions.collect(), faces, uvs }
 }

@@ -22,6 +22,8 @@ pub(crate) struct Centres {
     stations: Vec<f64>,
     /// Gaps between centres in which the fit misses: number, middle, by how much.
     worst: Vec<(usize, f64, f64)>,
+    /// Images of the points of the path.
+    images: Vec<Point2<f64>>,
 }
 
 impl Centres {
@@ -79,8 +81,9 @@ impl Centres {
         self.worst.clear();
         let count = self.stations.len();
         let mut residual: f64 = 0.0;
-        for (at, own, partner) in track.points() {
-            let miss = (plate.evaluate(own) - partner).norm();
+        plate.evaluate_all(&track.own.points, &mut self.images);
+        for ((at, partner), image) in track.partner_points().zip(&self.images) {
+            let miss = (image - partner).norm();
             residual = residual.max(miss);
             // A point beyond the last centre of a closed path lies between it and the first.
             let next = self.stations.partition_point(|&station| station <= at);

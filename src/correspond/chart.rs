@@ -160,9 +160,7 @@ impl Chart {
         for (&[a, b, c], _) in self.reached() {
             let at = |corner: u32| frame.position(self.patch.vertices()[corner as usize]);
             let (a, b, c) = (at(a), at(b), at(c));
-            for side in [b - a, c - b, a - c] {
-                world += side.norm();
-            }
+            world += (b - a).norm() + (c - b).norm() + (a - c).norm();
         }
         let scale = world / self.unfolding.length;
         if !(scale.is_finite() && scale > 0.0) {

@@ -36,18 +36,18 @@ impl Cut {
         self.traces.resize(patch.vertices().len(), 0);
         for (face, corners) in patch.corners().iter().enumerate().filter(|&(face, _)| unfolding.is_reached(face)) {
             for side in 0..3 {
-                let neighbour = patch.neighbour(mesh, face, side);
-                if neighbour.is_some_and(|(next, _)| next < face) || unfolding.tree[face][side] {
+                let beyond = patch.beyond(mesh, face, side);
+                if beyond.is_some_and(|beyond| beyond.face < face) || unfolding.tree[face][side] {
                     continue;
                 }
                 for end in [corners[side], corners[(side + 1) % 3]] {
                     self.degrees[end as usize] += 1;
-                    if neighbour.is_some() {
+                    if beyond.is_some() {
                         self.traces[end as usize] ^= self.edges.len();
                     }
                 }
-                if let Some(there) = neighbour {
-                    self.edges.push([(face, side), there]);
+                if let Some(beyond) = beyond {
+                    self.edges.push([(face, side), (beyond.face, beyond.side)]);
                 }
             }
         }
@@ -124,7 +124,7 @@ mod tests {
         let (mut inner, mut rim) = (0, 0);
         for face in 0..patch.faces().len() {
             for side in 0..3 {
-                if patch.neighbour(&mesh, face, side).is_some() { inner += 1 } else { rim += 1 }
+                if patch.beyond(&mesh, face, side).is_some() { inner += 1 } else { rim += 1 }
             }
         }
         assert_eq!(patch.vertices().len() + patch.faces().len(), inner / 2 + rim + 1);

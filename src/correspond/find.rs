@@ -177,7 +177,7 @@ impl Correspondent {
             let side = side_of(Sheet::Own, own, region)?;
             (side, partner_region.and_then(|region| side_of(Sheet::Partner, partner, region)))
         };
-        let sheets = Sheets { mesh, frame, points, segments, own, partner, track: &self.track };
+        let sheets = Sheets { mesh, frame, points, segments, own, partner };
         let sides = (side, image_side.unwrap_or_else(|| sheets.likelier_side(side)));
 
         let residual_m =

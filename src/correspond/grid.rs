@@ -7,6 +7,7 @@ use nalgebra::{Point2, Vector2};
 pub(crate) struct Grid {
     low: Point2<f64>,
     pub(crate) cell: f64,
+    cells_per_length: f64,
     columns: usize,
     rows: usize,
 }
@@ -27,7 +28,9 @@ impl Grid {
         let count = as_float(num_cells.max(1));
         let side = extent.x.max(extent.y);
         let cell = (extent.x * extent.y / count).sqrt().max(side / count).max(f64::MIN_POSITIVE);
-        Self { low, cell, columns: whole(extent.x / cell) + 1, rows: whole(extent.y / cell) + 1 }
+        let cells_per_length = 1.0 / cell;
+        let count_along = |length: f64| whole(length * cells_per_length) + 1;
+        Self { low, cell, cells_per_length, columns: count_along(extent.x), rows: count_along(extent.y) }
     }
 
     pub(crate) fn num_cells(&self) -> usize {
@@ -41,7 +44,7 @@ impl Grid {
 
     /// Column and row of a point.
     pub(crate) fn place(&self, point: Point2<f64>) -> (usize, usize) {
-        let at = (point - self.low) / self.cell;
+        let at = (point - self.low) * self.cells_per_length;
         (whole(at.x).min(self.columns - 1), whole(at.y).min(self.rows - 1))
     }
 

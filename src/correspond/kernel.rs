@@ -68,11 +68,9 @@ impl WeightedCentres {
         }
     }
 
-    /// The weighted sum of all kernels at a point.
-    pub(crate) fn sum(&self, point: Point2<f64>) -> Vector2<f64> {
-        let mut value = Vector2::zeros();
-        dispatch(Sum { centres: self, point, value: &mut value });
-        value
+    /// Replaces points by the weighted sums of all kernels there.
+    pub(crate) fn sums(&self, points: &mut [Point2<f64>]) {
+        dispatch(Sums { centres: self, points });
     }
 
     /// The kernels of all centres at a point, in their order.
@@ -90,32 +88,33 @@ fn kernels(point: Point2<f64>, xs: &[f64], ys: &[f64], values: &mut [f64]) {
     }
 }
 
-struct Sum<'a> {
+struct Sums<'a> {
     centres: &'a WeightedCentres,
-    point: Point2<f64>,
-    value: &'a mut Vector2<f64>,
+    points: &'a mut [Point2<f64>],
 }
 
-impl Task for Sum<'_> {
+impl Task for Sums<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
         let WeightedCentres { places: [xs, ys], weights } = self.centres;
         let mut buffer = [0.0; CHUNK];
-        let mut sums = [[0.0; LANES]; 2];
-        for start in (0..xs.len()).step_by(CHUNK) {
-            let end = (start + CHUNK).min(xs.len());
-            let values = &mut buffer[..end - start];
-            kernels(self.point, &xs[start..end], &ys[start..end], values);
-            for (sums, weights) in sums.iter_mut().zip(weights) {
-                for (values, weights) in values.chunks_exact(LANES).zip(weights[start..end].chunks_exact(LANES)) {
-                    for lane in 0..LANES {
-                        sums[lane] += weights[lane] * values[lane];
+        for point in self.points {
+            let mut sums = [[0.0; LANES]; 2];
+            for start in (0..xs.len()).step_by(CHUNK) {
+                let end = (start + CHUNK).min(xs.len());
+                let values = &mut buffer[..end - start];
+                kernels(*point, &xs[start..end], &ys[start..end], values);
+                for (sums, weights) in sums.iter_mut().zip(weights) {
+                    for (values, weights) in values.chunks_exact(LANES).zip(weights[start..end].chunks_exact(LANES)) {
+                        for lane in 0..LANES {
+                            sums[lane] += weights[lane] * values[lane];
+                        }
                     }
                 }
             }
+            let [x, y] = sums.map(|lanes| lanes.iter().sum());
+            *point = Point2::new(x, y);
         }
-        let [x, y] = sums.map(|lanes| lanes.iter().sum());
-        *self.value = Vector2::new(x, y);
     }
 }
 
@@ -168,6 +167,10 @@ mod tests {
             assert!((entry - value).abs() <= 1e-15 * squared * 10.0);
             expected += weight * value;
         }
-        assert!((weighted.sum(point) - expected).norm() < 1e-12 * expected.norm());
+        let mut sums = [point; 2];
+        weighted.sums(&mut sums);
+        for sum in sums {
+            assert!((sum.coords - expected).norm() < 1e-12 * expected.norm());
+        }
     }
 }

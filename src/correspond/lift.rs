@@ -1,6 +1,6 @@
 //! A path in a chart, followed without a jump also where the chart was cut.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 
 use super::{
     chart::{Chart, turns},
@@ -69,11 +69,6 @@ impl Lift {
             }
         }
         self.points.len() >= 2
-    }
-
-    /// The step of a segment as its face lies in the chart, up to its length.
-    pub(crate) fn step(&self, segment: usize) -> Vector2<f64> {
-        self.motions[segment].turn_back(self.points[segment + 1] - self.points[segment])
     }
 
     /// The corner of a face at which a path point lies, as it lies beside that point.

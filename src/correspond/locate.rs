@@ -7,6 +7,8 @@ use crate::mesh::Csr;
 
 /// Faces for each cell of the grid.
 const TRIANGLES_OF_CELL: usize = 4;
+/// Outlines of no more sides than this are searched one by one: few points lie outside, and a grid costs each side.
+const SHORT_OUTLINE: usize = 64;
 
 /// Triangles of the plane, found through a grid.
 #[derive(Debug, Default)]
@@ -65,12 +67,14 @@ impl Locator {
             grid.for_cells(a.inf(b).inf(c), a.sup(b).sup(c), |cell| pairs.push((cell, number)));
         }
         self.triangles_in.fill(grid.num_cells(), pairs.iter().copied());
-        pairs.clear();
-        for (number, rim) in (0u32..).zip(&*outline) {
-            let [a, b] = rim.ends(triangles);
-            grid.for_cells(a.inf(&b), a.sup(&b), |cell| pairs.push((cell, number)));
+        if outline.len() > SHORT_OUTLINE {
+            pairs.clear();
+            for (number, rim) in (0u32..).zip(&*outline) {
+                let [a, b] = rim.ends(triangles);
+                grid.for_cells(a.inf(&b), a.sup(&b), |cell| pairs.push((cell, number)));
+            }
+            self.outline_in.fill(grid.num_cells(), pairs.iter().copied());
         }
-        self.outline_in.fill(grid.num_cells(), pairs.iter().copied());
         self.grid = grid;
     }
 
@@ -90,18 +94,29 @@ impl Locator {
         if self.outline.is_empty() || !(point.x.is_finite() && point.y.is_finite()) {
             return None;
         }
-        // All of the outline lies in the grid's box, so that it is at least as far as the box, and from there as the cells between.
-        let to_box = self.grid.beyond(point).norm_squared();
         let mut nearest: Option<(f64, u32, f64)> = None;
-        for ring in 0..self.grid.num_rings() {
-            let between = self.grid.cell * as_float(ring.saturating_sub(1));
-            if nearest.is_some_and(|(least, ..)| least < to_box + between * between) {
-                break;
+        let mut look_at = |number: u32| {
+            let (distance, parameter) = self.outline[number as usize].nearest(&self.triangles, point);
+            if nearest.is_none_or(|(least, first, _)| (distance, number) < (least, first)) {
+                nearest = Some((distance, number, parameter));
             }
-            for &number in self.grid.ring(self.grid.place(point), ring).flat_map(|cell| self.outline_in.row(cell)) {
-                let (distance, parameter) = self.outline[number as usize].nearest(&self.triangles, point);
-                if nearest.is_none_or(|(least, first, _)| (distance, number) < (least, first)) {
-                    nearest = Some((distance, number, parameter));
+            nearest
+        };
+        if self.outline.len() <= SHORT_OUTLINE {
+            for (number, _) in (0..).zip(&self.outline) {
+                look_at(number);
+            }
+        } else {
+            // All of the outline lies in the grid's box, so that it is at least as far as the box, and from there as the cells between.
+            let to_box = self.grid.beyond(point).norm_squared();
+            let mut best: Option<(f64, u32, f64)> = None;
+            for ring in 0..self.grid.num_rings() {
+                let between = self.grid.cell * as_float(ring.saturating_sub(1));
+                if best.is_some_and(|(least, ..)| least < to_box + between * between) {
+                    break;
+                }
+                for &number in self.grid.ring(self.grid.place(point), ring).flat_map(|cell| self.outline_in.row(cell)) {
+                    best = look_at(number);
                 }
             }
         }

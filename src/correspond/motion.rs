@@ -58,11 +58,6 @@ impl Motion {
         Point2::from(times(self.turn, point.coords) + self.shift)
     }
 
-    /// The direction that is taken to a direction, up to its length.
-    pub(crate) fn turn_back(&self, direction: Vector2<f64>) -> Vector2<f64> {
-        times(Vector2::new(self.turn.x, -self.turn.y), direction)
-    }
-
     /// First `other`, then this one.
     pub(crate) fn after(&self, other: &Self) -> Self {
         Self { turn: times(self.turn, other.turn), shift: times(self.turn, other.shift) + self.shift }
@@ -97,9 +92,6 @@ mod tests {
         assert!((motion.inverse().apply(motion.apply(p)) - p).norm() < 1e-12);
         assert!((motion.times(3).apply(p) - motion.apply(motion.apply(motion.apply(p)))).norm() < 1e-9);
         assert!((motion.times(-2).after(&motion.times(2)).apply(p) - p).norm() < 1e-12);
-        let direction = motion.apply(q) - motion.apply(p);
-        assert!(motion.turn_back(direction).perp(&(q - p)).abs() < 1e-12);
-        assert!(motion.turn_back(direction).dot(&(q - p)) > 0.0);
         assert_eq!(Motion::taking([p, p], [p, q]), None);
         let pairs = [p, q, Point2::new(7.0, 1.0)].map(|from| [from, Point2::new(2.0 - from.y, from.x)]);
         let (found, rest) = Motion::fit(pairs.into_iter()).unwrap();

@@ -23,6 +23,16 @@ pub(crate) struct Patch {
     is_taken: Vec<bool>,
 }
 
+/// A face beside another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beyond {
+    pub(crate) face: usize,
+    /// Its own side there.
+    pub(crate) side: usize,
+    /// Whether both name the vertices of their common side in the same direction: neighbours of one winding don't.
+    pub(crate) is_same_way: bool,
+}
+
 impl Patch {
     /// Begins anew with the faces of a path, in the order of the path, each once.
     pub(crate) fn start(&mut self, mesh: &Mesh, path_faces: impl Iterator<Item = FaceId>) {
@@ -93,19 +103,21 @@ impl Patch {
         self.corners.push(corners);
     }
 
-    /// The face beside a side of a face, and its own side there. Nothing on the outline of the patch, beyond a non-manifold edge and across
-    /// a cut.
-    pub(crate) fn neighbour(&self, mesh: &Mesh, face: usize, side: usize) -> Option<(usize, usize)> {
+    /// What lies beyond a side of a face. Nothing on the outline of the patch, beyond a non-manifold edge and across a cut.
+    pub(crate) fn beyond(&self, mesh: &Mesh, face: usize, side: usize) -> Option<Beyond> {
         let edge = mesh.face_edges(self.faces[face])?[side];
         let &[one, other] = mesh.edge_faces(edge) else { return None };
         let next = self.local_face(if one == self.faces[face] { other } else { one })?;
-        let (a, b) = (self.corners[face][side], self.corners[face][(side + 1) % 3]);
+        let here = &self.corners[face];
+        let (a, b) = (here[side], here[(side + 1) % 3]);
         let there = &self.corners[next];
-        let is_same = |k: &usize| {
-            let (c, d) = (there[*k], there[(*k + 1) % 3]);
-            (a, b) == (d, c) || (a, b) == (c, d)
-        };
-        (0..3).find(is_same).map(|there| (next, there))
+        for side in 0..3 {
+            let (c, d) = (there[side], there[(side + 1) % 3]);
+            if (a, b) == (d, c) || (a, b) == (c, d) {
+                return Some(Beyond { face: next, side, is_same_way: a == c });
+            }
+        }
+        None
     }
 
     /// Cuts the patch along sides of its faces: vertices on the cut get a copy for each sector of faces that is left round them.
@@ -116,9 +128,8 @@ impl Patch {
         self.sectors.extend((0..).take(3 * self.faces.len()));
         for (face, cut) in sides.iter().enumerate() {
             for side in (0..3).filter(|&side| !cut[side]) {
-                let Some((next, there)) = self.neighbour(mesh, face, side).filter(|&(next, _)| next > face) else {
-                    continue;
-                };
+                let beyond = self.beyond(mesh, face, side).filter(|beyond| beyond.face > face);
+                let Some(Beyond { face: next, side: there, .. }) = beyond else { continue };
                 for corner in [side, (side + 1) % 3] {
                     let vertex = self.corners[face][corner];
                     let other = if self.corners[next][there] == vertex { there } else { (there + 1) % 3 };

@@ -85,9 +85,26 @@ impl ThinPlate {
 
     /// The image of a point.
     pub(crate) fn evaluate(&self, point: Point2<f64>) -> Point2<f64> {
+        let mut image = [self.from.apply(point)];
+        self.weighted.sums(&mut image);
+        self.finish(point, image[0])
+    }
+
+    /// The images of some points.
+    pub(crate) fn evaluate_all(&self, points: &[Point2<f64>], images: &mut Vec<Point2<f64>>) {
+        images.clear();
+        images.extend(points.iter().map(|&point| self.from.apply(point)));
+        self.weighted.sums(images);
+        for (image, &point) in images.iter_mut().zip(points) {
+            *image = self.finish(point, *image);
+        }
+    }
+
+    /// Adds the affine part of the image of a point to that of the kernels.
+    fn finish(&self, point: Point2<f64>, of_kernels: Point2<f64>) -> Point2<f64> {
         let point = self.from.apply(point);
         let affine = self.polynomial[0] + self.polynomial[1] * point.x + self.polynomial[2] * point.y;
-        self.to.undo(affine + self.weighted.sum(point))
+        self.to.undo(affine + of_kernels.coords)
     }
 
     /// Rank of the system; full is the number of centres plus three.

@@ -22,6 +22,7 @@ const SMALLEST_AREA: f64 = 1e-3;
 #[derive(Debug, Default)]
 pub(crate) struct Relaxation {
     faces: Vec<Face>,
+    scales: Vec<f64>,
     start: Vec<Point2<f64>>,
     used: Vec<bool>,
     system: Cholesky,
@@ -36,7 +37,8 @@ impl Relaxation {
         self.start.extend_from_slice(&unfolding.points);
         self.used.clear();
         self.used.resize(unfolding.points.len(), false);
-        faces_of(patch, shapes, unfolding, &mut self.faces);
+        unfolding.scales(patch, shapes, &mut self.scales);
+        faces_of(patch, shapes, &unfolding.facing, &self.scales, &mut self.faces);
         for corner in self.faces.iter().flat_map(|face| face.corners) {
             self.used[corner] = true;
         }
@@ -159,9 +161,9 @@ struct Face {
     weights: [f64; 3],
 }
 
-fn faces_of(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding, faces: &mut Vec<Face>) {
+fn faces_of(patch: &Patch, shapes: &[Shape], facing: &[Facing], scales: &[f64], faces: &mut Vec<Face>) {
     faces.clear();
-    let placed = unfolding.facing.iter().zip(&unfolding.scales);
+    let placed = facing.iter().zip(scales);
     for ((corners, shape), (facing, &scale)) in patch.corners().iter().zip(shapes).zip(placed) {
         let mut shape = *shape;
         match facing {

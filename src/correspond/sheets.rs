@@ -1,8 +1,8 @@
 //! The two sheets along a path in the world: their conormals, and the directions in which they part.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
-use super::{MaterialPoint, Parting, chart::Chart, track::Track};
+use super::{MaterialPoint, Parting, chart::Chart};
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh},
@@ -18,7 +18,6 @@ pub(crate) struct Sheets<'a> {
     pub(crate) segments: &'a [PathSegment],
     pub(crate) own: &'a Chart,
     pub(crate) partner: &'a Chart,
-    pub(crate) track: &'a Track,
 }
 
 impl Sheets<'_> {
@@ -58,14 +57,20 @@ impl Sheets<'_> {
     fn conormals(&self, index: usize, sides: (f64, f64)) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let tangent = (self.points[index + 1].position - self.points[index].position).try_normalize(0.0)?;
         let segment = &self.segments[index];
-        let inside = self.conormal(self.own, segment.own, self.track.own.step(index) * sides.0, tangent)?;
-        let image = self.conormal(self.partner, segment.partner, self.track.partner.step(index) * sides.1, tangent)?;
+        let inside = self.conormal(self.own, segment.own, tangent, sides.0)?;
+        let image = self.conormal(self.partner, segment.partner, tangent, sides.1)?;
         Some((inside, image))
     }
 
-    /// The unit direction in a face, at right angles to `tangent`, to the left of `step` in the chart.
-    fn conormal(&self, chart: &Chart, face: FaceId, step: Vector2<f64>, tangent: Vector3<f64>) -> Option<Vector3<f64>> {
-        let world = chart.to_world(self.mesh, self.frame, face, Vector2::new(-step.y, step.x))?;
-        (world - tangent * tangent.dot(&world)).try_normalize(0.0)
+    /// The unit direction in a face at right angles to a tangent of it, to the side where the chart has the left of the tangent, or for a
+    /// negative `side` the right.
+    fn conormal(&self, chart: &Chart, face: FaceId, tangent: Vector3<f64>, side: f64) -> Option<Vector3<f64>> {
+        let [a, b, c] = chart.corners(face)?;
+        let [x, y, z] = self.mesh.face(face);
+        let x = self.frame.position(x);
+        let normal = (self.frame.position(y) - x).cross(&(self.frame.position(z) - x));
+        // Left in the world is left in the chart where both see the face wound the same way.
+        let winding = (b - a).perp(&(c - a));
+        (normal.cross(&tangent) * (side * winding.signum())).try_normalize(0.0)
     }
 }

@@ -153,10 +153,9 @@ impl Track {
         (place(&self.own), place(&self.partner), segment)
     }
 
-    /// The points of the path with their arclengths.
-    pub(crate) fn points(&self) -> impl Iterator<Item = (f64, Point2<f64>, Point2<f64>)> + '_ {
-        let places = self.own.points.iter().zip(&self.partner.points);
-        self.arclength.iter().zip(places).map(|(&at, (&own, &partner))| (at, own, partner))
+    /// The points of the corresponding path with their arclengths.
+    pub(crate) fn partner_points(&self) -> impl Iterator<Item = (f64, Point2<f64>)> + '_ {
+        self.arclength.iter().copied().zip(self.partner.points.iter().copied())
     }
 
     /// On which side a region lies: 1 for the left of the direction of travel, -1 for the right, in the coordinates of the chart.

@@ -8,7 +8,10 @@ use std::collections::VecDeque;
 
 use nalgebra::{Point2, Vector2};
 
-use super::{patch::Patch, shapes::Shape};
+use super::{
+    patch::{Beyond, Patch},
+    shapes::Shape,
+};
 use crate::mesh::Mesh;
 
 /// Where the vertices and faces of a patch come to lie.
@@ -18,8 +21,6 @@ pub(crate) struct Unfolding {
     pub(crate) points: Vec<Point2<f64>>,
     /// For each face of the patch, whether it was reached and lies as its shape does, or mirrored.
     pub(crate) facing: Vec<Facing>,
-    /// For each face the scale of its shape in the chart: 1 for the first, equal lengths along common edges.
-    pub(crate) scales: Vec<f64>,
     /// Largest disagreement of a face with its shape, as a part of its longest side.
     pub(crate) misfit: f64,
     /// For each face, across which of its sides it was placed or placed another.
@@ -30,6 +31,8 @@ pub(crate) struct Unfolding {
     pub(crate) length: f64,
     /// For each face, which of its sides were looked at from beyond.
     seen: Vec<[bool; 3]>,
+    /// The faces after the first in the order in which they were reached: from which one, across which side.
+    reached_from: Vec<(usize, usize, usize)>,
     placed: Vec<bool>,
     path_queue: VecDeque<usize>,
     queue: VecDeque<usize>,
@@ -62,8 +65,7 @@ impl Unfolding {
         self.seen.resize(num_faces, [false; 3]);
         self.facing.clear();
         self.facing.resize(num_faces, Facing::Unreached);
-        self.scales.clear();
-        self.scales.resize(num_faces, 1.0);
+        self.reached_from.clear();
         self.misfit = 0.0;
         self.path_queue.clear();
         self.queue.clear();
@@ -82,19 +84,20 @@ impl Unfolding {
                 if self.seen[face][side] {
                     continue;
                 }
-                let Some((next, there)) = patch.neighbour(mesh, face, side) else {
+                let Some(beyond) = patch.beyond(mesh, face, side) else {
                     self.rims[face][side] = true;
                     continue;
                 };
+                let Beyond { face: next, side: there, is_same_way } = beyond;
                 self.seen[next][there] = true;
-                let facing = turned(self.facing[face], same_direction(patch, face, side, next), shapes, face, next);
+                let facing = turned(self.facing[face], is_same_way, shapes, face, next);
                 match self.facing[next] {
                     Facing::Unreached => {
                         self.facing[next] = facing;
                         self.tree[face][side] = true;
                         self.tree[next][there] = true;
-                        self.place(patch, shapes, face, side, next);
-                        self.scales[next] = self.scales[face] * ratio_of_sides(patch, shapes, face, side, next);
+                        self.place(patch, shapes, [face, side], beyond);
+                        self.reached_from.push((next, face, side));
                         if next < patch.num_seeds() {
                             self.path_queue.push_back(next);
                         } else {
@@ -109,17 +112,22 @@ impl Unfolding {
         orientable && self.points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
     }
 
+    /// Writes for each face the scale of its shape in the chart: 1 for the first, equal lengths along common edges.
+    pub(crate) fn scales(&self, patch: &Patch, shapes: &[Shape], scales: &mut Vec<f64>) {
+        scales.clear();
+        scales.resize(shapes.len(), 1.0);
+        for &(next, face, side) in &self.reached_from {
+            scales[next] = scales[face] * ratio_of_sides(patch, shapes, face, side, next);
+        }
+    }
+
     /// Adds up the sides anew, after points were moved.
     pub(crate) fn measure_length(&mut self, patch: &Patch) {
-        self.length = 0.0;
-        for (face, corners) in patch.corners().iter().enumerate() {
-            if self.is_reached(face) {
-                let [a, b, c] = corners.map(|vertex| self.points[vertex as usize]);
-                for side in [b - a, c - b, a - c] {
-                    self.length += side.norm();
-                }
-            }
-        }
+        let reached = patch.corners().iter().enumerate().filter(|&(face, _)| self.is_reached(face));
+        self.length = reached.fold(0.0, |length, (_, &[a, b, c])| {
+            let (a, b, c) = (self.points[a as usize], self.points[b as usize], self.points[c as usize]);
+            length + ((b - a).norm() + (c - b).norm() + (a - c).norm())
+        });
     }
 
     /// Whether a face has a place.
@@ -127,15 +135,15 @@ impl Unfolding {
         self.facing[face] != Facing::Unreached
     }
 
-    /// Places the third vertex of `next`, unless it lies already, across side `side` of `face`.
-    fn place(&mut self, patch: &Patch, shapes: &[Shape], face: usize, side: usize, next: usize) {
+    /// Places the third vertex of what lies beyond a side of a face, unless it lies already.
+    fn place(&mut self, patch: &Patch, shapes: &[Shape], [face, side]: [usize; 2], beyond: Beyond) {
         let corners = patch.corners()[face];
         let (a, b) = (corners[side], corners[(side + 1) % 3]);
-        let there = patch.corners()[next];
-        let corner_of = |vertex: u32| there.iter().position(|&other| other == vertex);
-        let (Some(at_a), Some(at_b)) = (corner_of(a), corner_of(b)) else { return };
-        let at_c = 3 - at_a - at_b;
-        let c = there[at_c] as usize;
+        let Beyond { face: next, side: there, is_same_way } = beyond;
+        let ends = [there, (there + 1) % 3];
+        let [at_a, at_b] = if is_same_way { ends } else { [ends[1], ends[0]] };
+        let at_c = (there + 2) % 3;
+        let c = patch.corners()[next][at_c] as usize;
         if self.placed[c] {
             return;
         }
@@ -151,7 +159,7 @@ impl Unfolding {
 
     /// Compares the sides of every face with those of its shape at the best common scale.
     fn measure_misfit(&mut self, patch: &Patch, shapes: &[Shape]) {
-        self.length = 0.0;
+        let (mut length, mut misfit) = (0.0, 0.0f64);
         for ((corners, shape), &facing) in patch.corners().iter().zip(shapes).zip(&self.facing) {
             if facing == Facing::Unreached {
                 continue;
@@ -160,13 +168,12 @@ impl Unfolding {
             let lies = [self.points[a as usize], self.points[b as usize], self.points[c as usize]];
             let sides = |at: &Shape| ((at[1] - at[0]).norm(), (at[2] - at[1]).norm(), (at[0] - at[2]).norm());
             let ((p, q, r), (a, b, c)) = (sides(&lies), sides(shape));
-            for side in [p, q, r] {
-                self.length += side;
-            }
+            length += p + q + r;
             let scale = (p + q + r) / (a + b + c).max(f64::MIN_POSITIVE);
             let most = (p - a * scale).abs().max((q - b * scale).abs()).max((r - c * scale).abs());
-            self.misfit = self.misfit.max(most / p.max(q).max(r).max(f64::MIN_POSITIVE));
+            misfit = misfit.max(most / p.max(q).max(r).max(f64::MIN_POSITIVE));
         }
+        (self.length, self.misfit) = (length, misfit);
     }
 }
 
@@ -174,14 +181,6 @@ impl Unfolding {
 fn complex_ratio(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
     let squared = b.norm_squared();
     if squared > 0.0 { Vector2::new(a.dot(&b), b.perp(&a)) / squared } else { Vector2::zeros() }
-}
-
-/// Whether both faces name the vertices of their common edge in the same direction: neighbours of one winding don't.
-fn same_direction(patch: &Patch, face: usize, side: usize, next: usize) -> bool {
-    let corners = patch.corners()[face];
-    let (a, b) = (corners[side], corners[(side + 1) % 3]);
-    let there = patch.corners()[next];
-    (0..3).any(|corner| there[corner] == a && there[(corner + 1) % 3] == b)
 }
 
 /// Length of a common edge in the shape of `face` over that in the shape of `next`; 1 where it has none.
@@ -200,14 +199,14 @@ fn ratio_of_sides(patch: &Patch, shapes: &[Shape], face: usize, side: usize, nex
 }
 
 /// How a face must lie beside a neighbour that lies as `known`, so that they don't overlap.
-fn turned(known: Facing, same_direction: bool, shapes: &[Shape], face: usize, next: usize) -> Facing {
+fn turned(known: Facing, is_same_way: bool, shapes: &[Shape], face: usize, next: usize) -> Facing {
     let winding = |at: usize| {
         let [a, b, c] = shapes[at];
         (b - a).perp(&(c - a)) >= 0.0
     };
     // The winding in the plane is that of the shape, mirrored or not; neighbours of one direction of travel need opposite ones.
     let lies = winding(face) == (known == Facing::Straight);
-    let must = lies != same_direction;
+    let must = lies != is_same_way;
     if winding(next) == must { Facing::Straight } else { Facing::Mirrored }
 }
 

@@ -127,7 +127,7 @@ impl FaceTree {
         let mapped = &self.mapped;
         let fit_leaf = |(node, faces): (&mut Boxes, &[[VertexId; 3]])| {
             for (slot, corners) in faces.iter().enumerate() {
-                let [a, b, c] = corners.map(|corner| mapped[corner.index()]);
+                let [a, b, c] = [mapped[corners[0].index()], mapped[corners[1].index()], mapped[corners[2].index()]];
                 let low = std::array::from_fn(|axis| lower(lower(a[axis], b[axis]), c[axis]));
                 let high = std::array::from_fn(|axis| higher(higher(a[axis], b[axis]), c[axis]));
                 node.set(slot, (low, high));
@@ -297,12 +297,13 @@ impl FaceTree {
         let mut boxes = EMPTY;
         let first = WIDTH * leaf as usize;
         for (slot, corners) in self.corners[first..(first + WIDTH).min(self.corners.len())].iter().enumerate() {
-            let [a, b, c] = corners.map(|corner| {
+            let point = |corner: VertexId| -> [f32; 3] {
                 let position = frame.position(corner);
                 #[expect(clippy::cast_possible_truncation, reason = "monotone, which is all that is needed")]
-                let point: [f32; 3] = std::array::from_fn(|axis| (position[axis] - origin[axis]) as f32);
-                point
-            });
+                let along = |axis: usize| (position[axis] - origin[axis]) as f32;
+                [along(0), along(1), along(2)]
+            };
+            let (a, b, c) = (point(corners[0]), point(corners[1]), point(corners[2]));
             let low = std::array::from_fn(|axis| lower(lower(a[axis], b[axis]), c[axis]));
             let high = std::array::from_fn(|axis| higher(higher(a[axis], b[axis]), c[axis]));
             boxes.set(slot, (low, high));

@@ -40,7 +40,8 @@ pub struct Intersector {
     kept_parts: Vec<Part>,
     stack: Vec<NodePair>,
     contacts: Vec<([FaceId; 2], Contact)>,
-    crossings: Vec<Crossing>,
+    /// Each with a segment that ends there, and which end it is.
+    crossings: Vec<(Crossing, usize, usize)>,
     /// Scratch of the check in debug builds.
     #[cfg(debug_assertions)]
     num_segments: Vec<usize>,
@@ -160,53 +161,50 @@ impl Intersector {
     /// Numbers the crossings, each of which belongs to all pairs round its edge, and refers the segments to them.
     fn assemble(&mut self, mesh: &Mesh, frame: &Frame, found: &mut Intersections) {
         self.crossings.clear();
-        for (_, contact) in &self.contacts {
-            match *contact {
-                Contact::Crossings(crossings) => self.crossings.extend(crossings),
-                Contact::FromLoopVertex(crossing, _) => self.crossings.push(crossing),
+        found.segments.clear();
+        for &(faces, contact) in &self.contacts {
+            let segment = found.segments.len();
+            // Their numbers follow.
+            let mut ends = [SegmentEnd::EdgeFace(u32::MAX); 2];
+            match contact {
+                Contact::Crossings([a, b]) => self.crossings.extend([(a.min(b), segment, 0), (a.max(b), segment, 1)]),
+                Contact::FromLoopVertex(crossing, vertex) => {
+                    self.crossings.push((crossing, segment, 0));
+                    ends[1] = SegmentEnd::LoopVertex(vertex);
+                }
             }
+            found.segments.push(Segment { faces, ends });
         }
         self.crossings.sort_unstable();
-        self.crossings.dedup();
         found.edge_face.clear();
-        found.edge_face.extend(self.crossings.iter().map(|&crossing| locate(mesh, frame, crossing)));
-
-        #[cfg(debug_assertions)]
-        self.assert_every_crossing_joins_all_faces(mesh);
-
-        let crossings = &self.crossings;
-        let end_at = |crossing: Crossing| {
-            let index = crossings.binary_search(&crossing).expect("every crossing was collected above");
-            SegmentEnd::EdgeFace(u32::try_from(index).expect("fewer crossings than 2^32"))
-        };
-        found.segments.clear();
-        found.segments.extend(self.contacts.iter().map(|&(faces, contact)| {
-            let ends = match contact {
-                Contact::Crossings([a, b]) => [end_at(a.min(b)), end_at(a.max(b))],
-                Contact::FromLoopVertex(crossing, vertex) => [end_at(crossing), SegmentEnd::LoopVertex(vertex)],
-            };
-            Segment { faces, ends }
-        }));
-    }
-    /// A crossing of an edge ends one segment for each face of the edge: with fewer a chain would end in the middle of the cloth.
-    #[cfg(debug_assertions)]
-    fn assert_every_crossing_joins_all_faces(&mut self, mesh: &Mesh) {
-        let num_segments = &mut self.num_segments;
-        num_segments.clear();
-        num_segments.resize(self.crossings.len(), 0);
-        for (faces, contact) in &self.contacts {
-            let ends = match *contact {
-                Contact::Crossings(crossings) => crossings,
-                Contact::FromLoopVertex(crossing, _) => [crossing; 2],
-            };
-            let count = if ends[0] == ends[1] { 1 } else { 2 };
-            for crossing in &ends[..count] {
-                let place = self.crossings.binary_search(crossing);
-                num_segments[place.expect("every crossing was collected above")] += 1;
-                assert!(faces.contains(&crossing.1), "a crossing of face {} between others", crossing.1.0);
+        for alike in self.crossings.chunk_by(|a, b| a.0 == b.0) {
+            let number = u32::try_from(found.edge_face.len()).expect("fewer crossings than 2^32");
+            found.edge_face.push(locate(mesh, frame, alike[0].0));
+            for &(_, segment, end) in alike {
+                found.segments[segment].ends[end] = SegmentEnd::EdgeFace(number);
             }
         }
-        for (&(edge, face), &mut count) in self.crossings.iter().zip(num_segments) {
+        #[cfg(debug_assertions)]
+        self.assert_every_crossing_joins_all_faces(mesh, found);
+    }
+
+    /// A crossing of an edge ends one segment for each face of the edge: with fewer a chain would end in the middle of the cloth.
+    #[cfg(debug_assertions)]
+    fn assert_every_crossing_joins_all_faces(&mut self, mesh: &Mesh, found: &Intersections) {
+        let num_segments = &mut self.num_segments;
+        num_segments.clear();
+        num_segments.resize(found.edge_face.len(), 0);
+        for Segment { faces, ends } in &found.segments {
+            let count = if ends[0] == ends[1] { 1 } else { 2 };
+            for end in &ends[..count] {
+                let SegmentEnd::EdgeFace(number) = *end else { continue };
+                let face = found.edge_face[number as usize].face;
+                num_segments[number as usize] += 1;
+                assert!(faces.contains(&face), "a crossing of face {} between others", face.0);
+            }
+        }
+        for (crossing, &mut count) in found.edge_face.iter().zip(num_segments) {
+            let (edge, face) = (crossing.edge, crossing.face);
             let expected = mesh.edge_faces(edge).len();
             assert_eq!(count, expected, "segments that end where edge {} pierces face {}", edge.0, face.0);
         }

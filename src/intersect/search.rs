@@ -41,7 +41,7 @@ impl<T> Search<'_, T> {
     /// Tests a pair of faces exactly, unless they share a vertex.
     #[inline(always)]
     fn test(&mut self, places: [u32; 2]) {
-        let [a, b] = places.map(|place| self.tree.face(place));
+        let [a, b] = [self.tree.face(places[0]), self.tree.face(places[1])];
         if self.tree.misses_neighbours() && share_a_vertex(self.mesh, [a, b]) {
             return;
         }
@@ -95,7 +95,8 @@ impl<T> Search<'_, T> {
 
     #[inline(always)]
     fn triangle(&self, place: u32) -> Triangle {
-        self.tree.corners(place).map(|corner| self.frame.position(corner).into())
+        let [a, b, c] = self.tree.corners(place);
+        [self.frame.position(a).into(), self.frame.position(b).into(), self.frame.position(c).into()]
     }
 
     /// Tests the faces of a ring; how far it may move with nothing found, in metres.

@@ -20,14 +20,14 @@ pub(crate) struct Plane {
 
 impl Plane {
     pub(crate) fn through(sites: [Site; 3]) -> Self {
-        let [a, b, c] = sites.map(|site| site.position);
-        let (u, v) = (minus(b, a), minus(c, a));
-        let terms = |i: usize, j: usize| (u[i] * v[j], u[j] * v[i]);
-        let terms = [terms(1, 2), terms(2, 0), terms(0, 1)];
+        let [a, b, c] = &sites;
+        let (u, v) = (minus(b.position, a.position), minus(c.position, a.position));
+        let minor = |i: usize, j: usize| u[i] * v[j] - u[j] * v[i];
+        let magnitude = |i: usize, j: usize| (u[i] * v[j]).abs() + (u[j] * v[i]).abs();
         Self {
             sites,
-            minors: terms.map(|(plus, minus)| plus - minus),
-            magnitudes: terms.map(|(plus, minus)| plus.abs() + minus.abs()),
+            minors: [minor(1, 2), minor(2, 0), minor(0, 1)],
+            magnitudes: [magnitude(1, 2), magnitude(2, 0), magnitude(0, 1)],
         }
     }
 
@@ -35,9 +35,9 @@ impl Plane {
     #[inline]
     pub(crate) fn side_of(&self, site: Site) -> Side {
         let away = minus(site.position, self.sites[0].position);
-        let [x, y, z] = [0, 1, 2].map(|axis| away[axis] * self.minors[axis]);
-        let [p, q, r] = [0, 1, 2].map(|axis| away[axis].abs() * self.magnitudes[axis]);
-        let (volume, bound) = (x + y + z, ROUNDING * (p + q + r));
+        let volume = away[0] * self.minors[0] + away[1] * self.minors[1] + away[2] * self.minors[2];
+        let [x, y, z] = [away[0].abs(), away[1].abs(), away[2].abs()];
+        let bound = ROUNDING * (x * self.magnitudes[0] + y * self.magnitudes[1] + z * self.magnitudes[2]);
         if volume > bound {
             Side::Above
         } else if volume < -bound {
