@@ -25,7 +25,8 @@ pub(crate) struct Relaxation {
     scales: Vec<f64>,
     start: Vec<Point2<f64>>,
     used: Vec<bool>,
-    system: Cholesky,
+    conformal: Cholesky,
+    rigid: Cholesky,
     unknowns: [Vec<f64>; 2],
 }
 
@@ -42,8 +43,9 @@ impl Relaxation {
         for corner in self.faces.iter().flat_map(|face| face.corners) {
             self.used[corner] = true;
         }
-        if self.faces.is_empty() || !self.conform(&mut unfolding.points) || !self.stiffen(&mut unfolding.points) {
-            unfolding.points.copy_from_slice(&self.start);
+        let points = &mut unfolding.points;
+        if self.faces.is_empty() || !self.prepare_rigid() || !self.conform(points) || !self.stiffen(points) {
+            points.copy_from_slice(&self.start);
             return false;
         }
         true
@@ -52,23 +54,18 @@ impl Relaxation {
     /// Least squares of the Cauchy-Riemann equations of all faces, two vertices held where they lie.
     fn conform(&mut self, points: &mut [Point2<f64>]) -> bool {
         let num_points = points.len();
-        self.system.start(2 * num_points);
+        self.conformal.start(2 * num_points);
         for face in &self.faces {
             // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the corner.
             let opposite = [1, 2, 0].map(|k: usize| face.sides[k] / (2.0 * face.area).sqrt());
-            let real: [(usize, f64); 6] = std::array::from_fn(|k| {
-                let (corner, axis) = (k / 2, k % 2);
-                (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].x } else { -opposite[corner].y })
+            let unknown = |k: usize| 2 * face.corners[k / 2] + k % 2;
+            let rows: [[f64; 2]; 6] = std::array::from_fn(|k| {
+                let side = opposite[k / 2];
+                if k % 2 == 0 { [side.x, side.y] } else { [-side.y, side.x] }
             });
-            let imaginary: [(usize, f64); 6] = std::array::from_fn(|k| {
-                let (corner, axis) = (k / 2, k % 2);
-                (2 * face.corners[corner] + axis, if axis == 0 { opposite[corner].y } else { opposite[corner].x })
-            });
-            for row in [real, imaginary] {
-                for (i, a) in row {
-                    for (j, b) in row {
-                        self.system.add(i, j, a * b);
-                    }
+            for (i, [a, c]) in rows.into_iter().enumerate() {
+                for (j, [b, d]) in rows.into_iter().enumerate() {
+                    self.conformal.add(unknown(i), unknown(j), a * b + c * d);
                 }
             }
         }
@@ -87,43 +84,49 @@ impl Relaxation {
             // The tiny weight keeps vertices that hang on by nothing but a corner from making the system singular.
             let weight = if held { 1.0 } else { 1e-12 };
             for (axis, &value) in place.iter().enumerate() {
-                self.system.add(2 * vertex + axis, 2 * vertex + axis, weight);
+                self.conformal.add(2 * vertex + axis, 2 * vertex + axis, weight);
                 unknowns.push(weight * value);
             }
         }
-        if !self.system.factorise() {
+        if !self.conformal.factorise_in_pairs_like(&self.rigid) {
             return false;
         }
-        self.system.solve(unknowns);
+        self.conformal.solve(unknowns);
         for (point, place) in points.iter_mut().zip(unknowns.chunks_exact(2)) {
             *point = Point2::new(place[0], place[1]);
         }
         unknowns.iter().all(|value| value.is_finite())
     }
 
-    /// As rigid as possible: alternates the best rotation of every face and the best places for these rotations.
-    fn stiffen(&mut self, points: &mut [Point2<f64>]) -> bool {
-        self.system.start(points.len());
+    /// Factorises the system of [`stiffen`](Self::stiffen), which does not depend on places.
+    fn prepare_rigid(&mut self) -> bool {
+        self.rigid.start(self.start.len());
         for face in &self.faces {
             for (k, &weight) in face.weights.iter().enumerate() {
                 let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
                 for (row, column, value) in [(a, a, weight), (b, b, weight), (a, b, -weight), (b, a, -weight)] {
-                    self.system.add(row, column, value);
+                    self.rigid.add(row, column, value);
                 }
             }
         }
-        let (first, used) = (self.faces[0].corners[0], &self.used);
-        let held = |vertex: usize| if vertex == first || !used[vertex] { 1.0 } else { 1e-9 };
-        for vertex in 0..points.len() {
-            self.system.add(vertex, vertex, held(vertex));
+        for vertex in 0..self.start.len() {
+            self.rigid.add(vertex, vertex, self.hold(vertex));
         }
-        if !self.system.factorise() {
-            return false;
-        }
+        self.rigid.factorise()
+    }
+
+    /// How firmly a vertex is held where it lies.
+    fn hold(&self, vertex: usize) -> f64 {
+        if vertex == self.faces[0].corners[0] || !self.used[vertex] { 1.0 } else { 1e-9 }
+    }
+
+    /// As rigid as possible: alternates the best rotation of every face and the best places for these rotations.
+    fn stiffen(&mut self, points: &mut [Point2<f64>]) -> bool {
         for _ in 0..RIGID_ITERATIONS {
-            for (axis, places) in self.unknowns.iter_mut().enumerate() {
+            let mut unknowns = std::mem::take(&mut self.unknowns);
+            for (axis, places) in unknowns.iter_mut().enumerate() {
                 places.clear();
-                places.extend(points.iter().enumerate().map(|(vertex, point)| held(vertex) * point[axis]));
+                places.extend(points.iter().enumerate().map(|(vertex, point)| self.hold(vertex) * point[axis]));
             }
             for face in &self.faces {
                 let mut spin = Vector2::zeros();
@@ -136,17 +139,18 @@ impl Relaxation {
                     let side = face.sides[k];
                     let turned =
                         Vector2::new(spin.x * side.x - spin.y * side.y, spin.y * side.x + spin.x * side.y) * weight;
-                    for (axis, places) in self.unknowns.iter_mut().enumerate() {
+                    for (axis, places) in unknowns.iter_mut().enumerate() {
                         places[face.corners[k]] -= turned[axis];
                         places[face.corners[(k + 1) % 3]] += turned[axis];
                     }
                 }
             }
-            self.unknowns.iter_mut().for_each(|places| self.system.solve(places));
-            let [x, y] = &self.unknowns;
+            unknowns.iter_mut().for_each(|places| self.rigid.solve(places));
+            let [x, y] = &unknowns;
             for (point, (&x, &y)) in points.iter_mut().zip(x.iter().zip(y)) {
                 *point = Point2::new(x, y);
             }
+            self.unknowns = unknowns;
         }
         points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
     }
