@@ -4,13 +4,14 @@
 //! cargo run --release --example speed -- [--largest RESOLUTION] [--only TABLE] > docs/SPEED.md
 //! ```
 //!
-//! Tables: search, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, meshes (where ../shared/data is), growth, cores, scenes.
+//! Tables: search, far, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, meshes (where ../shared/data is), growth, cores, scenes.
 //! Generated sheets of 2 n^2 triangles: n is 35, 125, 250, 500 and 1000, up to the one given (1000). Times are of the processor, not of the clock on
 //! the wall, on one thread but where two are named; contenders take turns, and the least of their times counts.
 
 #![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "prints tables of ratios")]
 
 mod cores;
+mod far;
 mod folded;
 mod frames;
 mod meshes;
@@ -51,6 +52,9 @@ fn main() -> Result<(), Failure> {
     let wants = |table: &str| only.as_deref().is_none_or(|only| only == table);
     if wants("search") {
         one.install(|| search::table(&resolutions))?;
+    }
+    if wants("far") {
+        one.install(far::table)?;
     }
     if wants("meshlib") {
         one.install(|| meshlib::table(&resolutions))?;

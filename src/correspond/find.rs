@@ -6,6 +6,7 @@ use super::{
     Correspondences, MaterialPoint, PathCorrespondence, Pull,
     centres::Centres,
     chart::Chart,
+    fit::fit,
     image::Image,
     laid::{Laid, Mirror, are_mirrored, part_partner},
     lift::Lift,
@@ -26,12 +27,6 @@ use crate::{
 const OWN_RINGS: usize = 1;
 /// A chart stops growing at this many faces; targets beyond it are drawn back to its outline.
 const MAX_FACES: usize = 40_000;
-/// Centres beside a path lie this far from it, in edge lengths.
-const CENTRE_OFFSET: f64 = 0.5;
-/// Where the fit misses the path by more than this, in edge lengths, it gets more centres.
-const CENTRE_TOLERANCE: f64 = 0.1;
-/// How often centres are added.
-const REFINEMENTS: usize = 3;
 
 /// Finds correspondences, reusing its memory from frame to frame.
 #[derive(Debug, Default)]
@@ -226,42 +221,6 @@ impl Correspondent {
     }
 }
 
-/// Fits the map from path to path, with as many centres as it takes, and says by how much it still misses the path, in metres.
-fn fit(
-    centres: &mut Centres,
-    plate: &mut ThinPlate,
-    track: &Track,
-    sides: (f64, f64),
-    edge_length_m: f64,
-    mutual: bool,
-    settings: &Settings,
-) -> Option<f64> {
-    let more = |count: usize| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "small counts"
-        )]
-        let more = (count as f64 * track.sampled_part()).ceil() as usize;
-        more
-    };
-    centres.start(track, more(centre_count(track.length(), edge_length_m, settings)));
-    let mut round = 0;
-    loop {
-        centres.place(track, sides, CENTRE_OFFSET * edge_length_m, mutual);
-        if !plate.fit(&centres.from, &centres.to) {
-            return None;
-        }
-        let (residual_m, has_more) =
-            centres.refine(track, plate, CENTRE_TOLERANCE * edge_length_m, more(settings.max_centres));
-        if !has_more || round == REFINEMENTS {
-            return Some(residual_m);
-        }
-        round += 1;
-    }
-}
-
 /// One point inside on each face that a region without vertices runs through: the middle of the path's ways through the face.
 /// Where there is only one such way there is no inside to speak of, and the path's own points must do.
 fn points_within(
@@ -313,10 +272,4 @@ pub(crate) fn mean_edge_length(mesh: &Mesh, frame: &Frame, segments: &[PathSegme
     #[expect(clippy::cast_precision_loss, reason = "a count of segments")]
     let mean = sum / (3 * segments.len()) as f64;
     (mean.is_finite() && mean > 0.0).then_some(mean)
-}
-
-fn centre_count(length_m: f64, edge_length_m: f64, settings: &Settings) -> usize {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, and is limited")]
-    let wanted = (length_m / edge_length_m).round() as usize;
-    wanted.saturating_add(1).clamp(settings.min_centres, settings.max_centres)
 }

@@ -10,6 +10,7 @@ mod chart;
 mod cholesky;
 mod cut;
 mod find;
+mod fit;
 mod grid;
 mod image;
 mod kernel;

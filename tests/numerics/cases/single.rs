@@ -9,9 +9,11 @@ use nalgebra::Point2;
 
 /// What the figures mean.
 pub(crate) const TEXT: &str = "\
-Single precision is used where it can change no answer: the broad phase compares boxes in f32, mapped so that boxes that overlap still do (`src/intersect/broad.rs`), \
-and the exact signs in f64 decide (`tests/brute_force.rs`, `tests/second_broad_phase.rs`). `docs/SPEED.md` has its time and its bytes beside a tree of boxes in f64. \
-Everything after it is f64, at every quality.\n\n\
+Single precision is used where it can change no answer: the broad phase compares boxes in f32, mapped so that boxes that overlap still do (`src/intersect/broad.rs`); \
+then pairs of faces and the faces round a vertex are proven apart in f32 as far as they are farther apart than the map and the arithmetic can be wrong \
+(`src/intersect/separate.rs`, `src/intersect/umbrellas.rs`), and what is left goes on in f64 and to the exact signs (`tests/brute_force.rs`, \
+`tests/second_broad_phase.rs`). `docs/SPEED.md` has what it gains, and from which ratio of the whole to an edge on it gains nothing. Everything after it is f64, at \
+every quality.\n\n\
 The rest of this page is about a thin-plate fit in f32, which the library does not have: the same systems, solved by the same factorisation in both precisions. \
 Errors are distances from the f64 images near the centres at worst, in distances from centre to centre, which are about edges of the mesh: with all in f32; \
 with f64 weights, but images computed in f32; and with all in f64, but centres and values rounded to f32, which is what the wire costs near the origin. \
