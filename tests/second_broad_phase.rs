@@ -1,4 +1,5 @@
-//! A broad phase of somebody else's as the oracle, where testing all pairs takes too long: parry's tree over the same boxes.
+//! Other ways to the same pairs of faces: parry's tree over the same boxes, where testing all pairs takes too long, and all pairs, where single precision says
+//! little.
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
@@ -11,10 +12,13 @@ use parry3d_f64::{
     math::Vector,
     partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace},
 };
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use untangled::{
     analysis::analyse,
     frame::Frame,
-    mesh::{EdgeId, FaceId, Mesh},
+    intersect::do_intersect,
+    mesh::{EdgeId, FaceId, Mesh, MeshDescription},
     predicates::{Site, side_of_plane},
 };
 
@@ -68,4 +72,40 @@ fn check(resolution: u32) {
         analyse(&mesh, &frame).intersections.edge_face.iter().map(|hit| (hit.edge, hit.face)).collect();
     assert!(found.len() > 500);
     assert_eq!(found, expected);
+}
+
+/// Two sheets that nearly touch or cross by a hair, and a triangle so far away that all of them is little.
+#[test]
+fn sheets_beside_something_far_away_have_the_intersections_that_all_pairs_have() {
+    const RESOLUTION: u32 = 7;
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let (faces, uvs) = sheet::grid(RESOLUTION, &mut rng);
+    let count = u32::try_from(uvs.len()).unwrap();
+    let mut both = faces.clone();
+    both.extend(faces.iter().map(|corners| corners.map(|corner| corner + count)));
+    both.push([2 * count, 2 * count + 1, 2 * count + 2]);
+    let mesh =
+        Mesh::new(MeshDescription { num_vertices: 2 * uvs.len() + 3, faces: both, ..MeshDescription::default() })
+            .unwrap();
+    let mut num_found = 0;
+    for round in 0..120 {
+        let [away, gap, noise] = [0.0..9.0, -12.0..-1.0, -12.0..-0.5].map(|range| 10f64.powf(rng.random_range(range)));
+        let mut positions: Vec<[f64; 3]> = Vec::new();
+        for layer in [0.0, gap] {
+            for &[u, v] in &uvs {
+                let mut off = || noise * rng.random_range(-1.0..1.0) / f64::from(RESOLUTION);
+                positions.push([u + off(), v + off(), 0.3 * (4.0 * u + v).sin() + layer + off()]);
+            }
+        }
+        positions.extend([[away, 0.0, 0.0], [away, 0.1, 0.0], [away, 0.0, 0.1]]);
+        let frame = Frame::new(&mesh, &positions).unwrap();
+        let segments = analyse(&mesh, &frame).intersections.segments;
+        let found: Vec<[FaceId; 2]> = segments.iter().map(|segment| segment.faces).collect();
+        let all: Vec<FaceId> = mesh.face_ids().collect();
+        let pairs = all.iter().flat_map(|&a| all[a.index() + 1..].iter().map(move |&b| [a, b]));
+        let expected: Vec<[FaceId; 2]> = pairs.filter(|&pair| do_intersect(&mesh, &frame, pair)).collect();
+        assert_eq!(found, expected, "round {round}: {away:e} away, {gap:e} apart, {noise:e} rough");
+        num_found += found.len();
+    }
+    assert!(num_found > 1_000, "{num_found}");
 }
