@@ -220,7 +220,7 @@ impl Coherence {
         if longest * 32.0 > length || !length.is_finite() {
             return Mode::Cold;
         }
-        self.margin_m = (32.0 * longest).clamp(length / 16.0, length / 2.0);
+        self.margin_m = (64.0 * longest).clamp(length / 16.0, length / 2.0);
         if self.margin_m <= 0.0 {
             return Mode::Cold;
         }
