@@ -4,13 +4,14 @@
 //! cargo run --release --example speed -- [--largest RESOLUTION] [--only TABLE] > docs/SPEED.md
 //! ```
 //!
-//! Tables: search, far, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, meshes (where ../shared/data is), growth, cores, scenes.
+//! Tables: search, fall (where ../shared/data is), far, meshlib (with `MESHLIB_PYTHON=python` where that has the packages meshlib and numpy), paper, meshes (where ../shared/data is), growth, cores, scenes.
 //! Generated sheets of 2 n^2 triangles: n is 35, 125, 250, 500 and 1000, up to the one given (1000). Times are of the processor, not of the clock on
 //! the wall, on one thread but where two are named; contenders take turns, and the least of their times counts.
 
 #![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "prints tables of ratios")]
 
 mod cores;
+mod fall;
 mod far;
 mod folded;
 mod frames;
@@ -19,6 +20,8 @@ mod meshlib;
 mod scenes;
 mod search;
 
+#[path = "../../tests/support/npz.rs"]
+mod npz;
 #[path = "../../tests/support/sheet.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a part of what the tests use")]
 mod sheet;
@@ -52,6 +55,9 @@ fn main() -> Result<(), Failure> {
     let wants = |table: &str| only.as_deref().is_none_or(|only| only == table);
     if wants("search") {
         one.install(|| search::table(&resolutions))?;
+    }
+    if wants("fall") {
+        one.install(fall::table)?;
     }
     if wants("far") {
         one.install(far::table)?;

@@ -217,7 +217,7 @@ impl Coherence {
         }
         // The wider the margin, the dearer the search and the longer its proofs last.
         let length = mean_edge_length(mesh, frame);
-        if longest * 32.0 > length || !length.is_finite() {
+        if longest * 64.0 > length || !length.is_finite() {
             return Mode::Cold;
         }
         self.margin_m = (64.0 * longest).clamp(length / 16.0, length / 2.0);
