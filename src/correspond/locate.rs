@@ -169,8 +169,8 @@ mod tests {
     use super::*;
     use crate::correspond::samples::sheet;
 
-    fn locator() -> (Locator, Vec<[Point2<f64>; 3]>) {
-        let (mesh, flat) = sheet(5, 4, 0.1);
+    fn locator(columns: u32, rows: u32) -> (Locator, Vec<[Point2<f64>; 3]>) {
+        let (mesh, flat) = sheet(columns, rows, 0.1);
         let mut locator = Locator::default();
         let mut triangles = Vec::new();
         locator.start();
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn finds_every_point_of_a_sheet() {
-        let (locator, triangles) = locator();
+        let (locator, triangles) = locator(5, 4);
         for i in 0..=100 {
             for j in 0..=80 {
                 let point = Point2::new(f64::from(i) * 0.005, f64::from(j) * 0.005);
@@ -206,21 +206,26 @@ mod tests {
 
     #[test]
     fn the_nearest_place_is_that_of_a_search_through_all_of_the_outline() {
-        let (locator, triangles) = locator();
-        for i in -40i32..140 {
-            for j in -30i32..110 {
-                let point = Point2::new(f64::from(i) * 0.00513, f64::from(j) * 0.00497);
-                let (squared, place) = locator.nearest_on_outline(point).unwrap();
-                let all = locator.outline.iter().map(|rim| rim.nearest(&triangles, point).0);
-                assert!(squared <= all.fold(f64::INFINITY, f64::min));
-                assert!((squared - (at(&triangles, &place) - point).norm_squared()).abs() < 1e-12);
+        // A short outline, and one that gets a grid.
+        for (columns, rows, is_short) in [(5, 4, true), (20, 16, false)] {
+            let (locator, triangles) = locator(columns, rows);
+            assert_eq!(locator.outline.len() <= SHORT_OUTLINE, is_short);
+            let size = f64::from(columns) / 5.0;
+            for i in -40i32..140 {
+                for j in -30i32..110 {
+                    let point = Point2::new(f64::from(i) * 0.00513 * size, f64::from(j) * 0.00497 * size);
+                    let (squared, place) = locator.nearest_on_outline(point).unwrap();
+                    let all = locator.outline.iter().map(|rim| rim.nearest(&triangles, point).0);
+                    assert!(squared <= all.fold(f64::INFINITY, f64::min));
+                    assert!((squared - (at(&triangles, &place) - point).norm_squared()).abs() < 1e-12);
+                }
             }
         }
     }
 
     #[test]
     fn a_point_outside_goes_to_the_nearest_place_of_the_outline() {
-        let (locator, triangles) = locator();
+        let (locator, triangles) = locator(5, 4);
         for (point, expected) in [((0.23, -3.0), (0.23, 0.0)), ((0.9, 0.9), (0.5, 0.4)), ((-0.1, 0.33), (0.0, 0.33))] {
             let point = Point2::new(point.0, point.1);
             assert_eq!(locator.within(point), None);

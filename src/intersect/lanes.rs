@@ -203,6 +203,7 @@ mod tests {
         }
         assert!(seen[0] > 1_000 && seen[1] > 1_000);
     }
+
     #[test]
     fn four_pairs_at_a_time_are_as_far_apart_as_one_by_one() {
         struct Compare<'a>([FourTriangles; 2], f64, u32, &'a mut [usize; 2]);
