@@ -8,12 +8,12 @@
 
 use std::{error::Error, path::PathBuf};
 
-use untangled::{
+use untangle::{
     analysis::analyse,
     frame::Frame,
-    io::{concatenate, read_mesh},
     mesh::{Mesh, MeshDescription, Uvs},
 };
+use untangled_mesh_io::{concatenate, read_mesh};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let files: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();

@@ -9,9 +9,10 @@ use figment::{
 };
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use untangled_proto::{Domain, DomainError, domain::DEFAULT_DOMAIN, limits};
+use untangled_transport::{Domain, DomainError, domain::DEFAULT_DOMAIN};
+use untangled_proto::limits;
 
-use crate::settings::{Quality, Settings, SettingsError};
+use untangle::settings::{Quality, Settings, SettingsError};
 
 /// Flags that choose or change the configuration.
 #[derive(Clone, Debug, Default, Args)]

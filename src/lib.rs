@@ -1,62 +1,8 @@
-//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that bring it apart.
+//! The daemon and the command line of `untangled`. The algorithm is the library `untangle`.
 //!
-//! The method is that of Wicke, Lanker and Gross, "Untangling Cloth With Boundaries" (2006), with exact signs.
-//!
-//! ```
-//! use untangled::{analysis::analyse, frame::Frame, mesh::{Mesh, MeshDescription}};
-//!
-//! // An upright triangle stands with its tip through a flat one.
-//! let positions = [
-//!     [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0],
-//!     [0.5, 1.0, 2.0], [1.5, 1.0, 2.0], [1.0, 1.1, -1.0],
-//! ];
-//! let faces = vec![[0, 1, 2], [3, 4, 5]];
-//! let mesh = Mesh::new(MeshDescription { num_vertices: 6, faces, ..Default::default() })?;
-//! let analysis = analyse(&mesh, &Frame::new(&mesh, &positions)?);
-//!
-//! assert_eq!(analysis.intersections.segments.len(), 1);
-//! let region = analysis.regions.vertices_of(0);
-//! assert_eq!(region.iter().map(|vertex| vertex.0).collect::<Vec<_>>(), [5]);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! Many frames of one mesh: [`analysis::Analyser`] for the analysis, [`untangler::Untangler`] for corrections too.
-//!
-//! Modules stand in the order in which data passes through them; each uses only those above it.
+//! This crate is a program: its modules are public for its own tests and measurements, and may change at any time.
 
-pub mod predicates;
-
-pub mod mesh;
-pub mod settings;
-
-pub mod frame;
-
-pub mod intersect;
-
-pub mod paths;
-
-pub mod regions;
-
-pub mod analysis;
-
-pub mod correspond;
-
-pub mod respond;
-
-pub mod relax;
-
-pub mod untangler;
-
-pub mod io;
-
-#[cfg(feature = "daemon")]
-pub mod service;
-
-#[cfg(feature = "daemon")]
-pub mod config;
-
-#[cfg(feature = "daemon")]
-pub mod telemetry;
-
-#[cfg(feature = "daemon")]
 pub mod cli;
+pub mod config;
+pub mod service;
+pub mod telemetry;

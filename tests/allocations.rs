@@ -6,13 +6,7 @@
 
 use std::sync::Arc;
 
-use untangled::{
-    analysis::Analyser,
-    frame::Frame,
-    mesh::{Mesh, MeshDescription, Uvs},
-    respond::Responder,
-    settings::{Response, Settings},
-};
+use untangle::{analysis::Analyser, frame::Frame, mesh::{Mesh, MeshDescription, Uvs}, respond::Responder, settings::{Response, Settings}};
 use untangled_publisher::{mesh::Cloth, scenes::Scene};
 
 /// Scenes of all types, as the mesh tells more or less about its shape.

@@ -10,10 +10,7 @@ use support::{
     brute, rules,
     sheet::{Sheet, crumpled},
 };
-use untangled::{
-    analysis::analyse,
-    mesh::{EdgeId, FaceId},
-};
+use untangle::{analysis::analyse, mesh::{EdgeId, FaceId}};
 
 const RESOLUTIONS: [u32; 4] = [6, 9, 13, 20];
 const SHEETS: u64 = 200;

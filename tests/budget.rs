@@ -4,14 +4,7 @@
 
 use std::sync::Arc;
 
-use untangled::{
-    analysis::{Stage, StageObserver},
-    frame::Frame,
-    mesh::{Mesh, MeshDescription},
-    respond::{LeftOut, VertexFlags},
-    settings::{Response, Settings},
-    untangler::Untangler,
-};
+use untangle::{analysis::{Stage, StageObserver}, frame::Frame, mesh::{Mesh, MeshDescription}, respond::{LeftOut, VertexFlags}, settings::{Response, Settings}, untangler::Untangler};
 
 /// Time for so many questions.
 struct Questions(usize);

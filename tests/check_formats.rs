@@ -260,7 +260,7 @@ fn shared_scenes_keep_the_contract_and_degenerate_ones_have_one_answer_in_every_
             }
             report(&file);
             if name.starts_with("deg_") {
-                let mesh = untangled::io::read_mesh(&file).unwrap();
+                let mesh = untangled_mesh_io::read_mesh(&file).unwrap();
                 let (faces, positions) = (mesh.faces().to_vec(), mesh.positions().to_vec());
                 let sheet = Sheet { faces, uvs: vec![[0.0; 2]; positions.len()], positions };
                 check_all_formats(temporary.path(), name, &sheet);

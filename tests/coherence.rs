@@ -10,12 +10,7 @@ mod sheet;
 
 use std::path::Path;
 
-use untangled::{
-    analysis::{Analyser, analyse},
-    frame::Frame,
-    mesh::{Mesh, MeshDescription},
-    settings::Settings,
-};
+use untangle::{analysis::{Analyser, analyse}, frame::Frame, mesh::{Mesh, MeshDescription}, settings::Settings};
 
 /// Runs a sequence with one analyser and with a new one for each frame.
 fn check(mesh: &Mesh, frames: impl IntoIterator<Item = Vec<[f64; 3]>>) -> [usize; 2] {

@@ -13,11 +13,7 @@ use support::{
     sheet::{Sheet, reordered},
     summary::{Summary, summary},
 };
-use untangled::{
-    analysis::{Analysis, analyse},
-    frame::Frame,
-    mesh::{EdgeId, FaceId, Mesh},
-};
+use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::{EdgeId, FaceId, Mesh}};
 
 fn analysis_of(sheet: &Sheet) -> (Mesh, Frame, Analysis) {
     let mesh = sheet.bare_mesh();

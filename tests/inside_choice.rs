@@ -2,12 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
-use untangled::{
-    analysis::{Analyser, Analysis},
-    frame::Frame,
-    mesh::{Mesh, MeshDescription},
-    settings::{InsideChoice, Settings},
-};
+use untangle::{analysis::{Analyser, Analysis}, frame::Frame, mesh::{Mesh, MeshDescription}, settings::{InsideChoice, Settings}};
 
 fn analyse(description: MeshDescription, positions: &[[f64; 3]], settings: &Settings) -> (Mesh, Analysis) {
     let mesh = Mesh::new(description).unwrap();

@@ -297,7 +297,7 @@ fn paths_reach_whoever_listens() {
     session.exchange(STEP, DEADLINE, fill_flat).unwrap();
     let node = support::node(&domain);
     let name = support::session_service_name(&domain, 1, SessionService::Paths);
-    let service = untangled_proto::services::open_paths(&node, &name).unwrap();
+    let service = untangled_transport::services::open_paths(&node, &name).unwrap();
     let subscriber = service.subscriber_builder().create().unwrap();
     session.exchange(STEP, DEADLINE, fill_flat).unwrap();
     let mut received = None;

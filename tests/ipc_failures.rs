@@ -18,15 +18,8 @@ use untangled_client::{
     Client, CorrectionKind, ExchangeError, PublishError, RegisterError, Registration, RequestError, Session, Status,
     StepTime, Uvs, WaitError,
 };
-use untangled_proto::{
-    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PositionF32, RegisterParams, ReplyHeader, RequestHeader,
-    RequestKind, StateHeader,
-    control::Hello,
-    lock::DomainLock,
-    names::{self, SessionService},
-    sections::{SectionWriter, id},
-    services,
-};
+use untangled_proto::{ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PositionF32, RegisterParams, ReplyHeader, RequestHeader, RequestKind, StateHeader, control::Hello, names::{self, SessionService}, sections::{SectionWriter, id}};
+use untangled_transport::{lock::DomainLock, services};
 
 /// Exchanges a frame, however often it takes, as a host would that goes on without its daemon.
 fn exchange_again(session: &mut Session) {

@@ -12,11 +12,7 @@ use support::{
     rules,
     scene::{Scene, folded},
 };
-use untangled::{
-    analysis::Analysis,
-    mesh::{Mesh, VertexId},
-    paths::{PairType, PathPoint, PathType, SurfacePoint},
-};
+use untangle::{analysis::Analysis, mesh::{Mesh, VertexId}, paths::{PairType, PathPoint, PathType, SurfacePoint}};
 
 /// The analysis of a scene, after the rules that every analysis obeys.
 fn analyse(scene: &Scene) -> (Mesh, Analysis) {

@@ -11,11 +11,7 @@ use support::{
     sheet::{Relabelled, Sheet, crumpled, relabelled, reordered},
     summary::{Summary, summary},
 };
-use untangled::{
-    analysis::{Analyser, Analysis, analyse},
-    mesh::{Mesh, MeshDescription, Uvs},
-    settings::Settings,
-};
+use untangle::{analysis::{Analyser, Analysis, analyse}, mesh::{Mesh, MeshDescription, Uvs}, settings::Settings};
 
 const SHEETS: u64 = 60;
 
@@ -91,15 +87,15 @@ fn seams_between_all_faces_change_nothing() {
             ..Default::default()
         };
         let cut_up = Mesh::new(description).unwrap();
-        assert!(cut_up.chart_place(untangled::mesh::VertexId(0)).is_none());
+        assert!(cut_up.chart_place(untangle::mesh::VertexId(0)).is_none());
         let found = analyse(&cut_up, &sheet.frame(&cut_up));
         let whole = sheet.mesh();
-        assert!(whole.chart_place(untangled::mesh::VertexId(0)).is_some());
+        assert!(whole.chart_place(untangle::mesh::VertexId(0)).is_some());
         let expected = analyse(&whole, &sheet.frame(&whole));
         let names = |mesh: &Mesh, analysis: &Analysis| summary(mesh, analysis, |vertex| vertex, |face| face);
         assert_same(&names(&cut_up, &found), &names(&whole, &expected), &format!("seed {seed}"));
         for (found, expected) in found.regions.by_copy.iter().zip(&expected.regions.by_copy) {
-            let radius = |region: &Option<untangled::regions::InsideRegion>| region.as_ref()?.disc_radius;
+            let radius = |region: &Option<untangle::regions::InsideRegion>| region.as_ref()?.disc_radius;
             assert_eq!(radius(found).is_some(), radius(expected).is_some());
             if let (Some(found), Some(expected)) = (radius(found), radius(expected)) {
                 assert!((found - expected).abs() < 1e-12, "seed {seed}: {found} {expected}");

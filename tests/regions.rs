@@ -11,12 +11,7 @@ use support::{
     scene::{Scene, folded},
     sheet::crumpled,
 };
-use untangled::{
-    analysis::{Analysis, analyse},
-    frame::Frame,
-    mesh::Mesh,
-    paths::{PairType, PathType},
-};
+use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::Mesh, paths::{PairType, PathType}};
 
 fn checked(scene: &Scene) -> (Mesh, Analysis) {
     let (mesh, frame, analysis) = scene.analyse();

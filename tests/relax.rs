@@ -10,10 +10,7 @@ use std::ops::ControlFlow;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use support::scene::Scene;
-use untangled::{
-    mesh::{Mesh, MeshDescription},
-    relax::{Method, Quality, RelaxSettings, Relaxation, relax},
-};
+use untangle::{mesh::{Mesh, MeshDescription}, relax::{Method, Quality, RelaxSettings, Relaxation, relax}};
 use untangled_publisher::check::count_edge_face;
 
 /// One scene for each kind of path, with the most iterations that it may take.

@@ -5,13 +5,8 @@
 use std::{fs, path::Path, sync::Arc};
 
 use nalgebra::{Point3, Vector3};
-use untangled::{
-    frame::Frame,
-    io::{concatenate, read_mesh},
-    mesh::Mesh,
-    settings::{Response, Settings},
-    untangler::Untangler,
-};
+use untangle::{frame::Frame, mesh::Mesh, settings::{Response, Settings}, untangler::Untangler};
+use untangled_mesh_io::{concatenate, read_mesh};
 
 /// Residual of a sum of vectors as a part of the sum of their lengths.
 fn residual(sum: Vector3<f64>, lengths: f64) -> f64 {
@@ -74,7 +69,7 @@ fn corrections_of_all_shared_files_keep_momenta_and_are_finite() {
 #[cfg(feature = "daemon")]
 #[test]
 fn corrections_of_generated_scenes_keep_momenta() {
-    use untangled::mesh::MeshDescription;
+    use untangle::mesh::MeshDescription;
     use untangled_publisher::scenes::Scene;
 
     let (mut worst, mut frames) = ([0.0f64; 2], 0);

@@ -14,13 +14,8 @@ use std::{
 
 use serde::Deserialize;
 use support::{brute, rules};
-use untangled::{
-    analysis::{Analysis, analyse},
-    frame::Frame,
-    io::{ReadErrorKind, concatenate, read_mesh},
-    mesh::{EdgeId, FaceId, Mesh, VertexId},
-    paths::{PairType, PathType},
-};
+use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::{EdgeId, FaceId, Mesh, VertexId}, paths::{PairType, PathType}};
+use untangled_mesh_io::{ReadErrorKind, concatenate, read_mesh};
 
 /// The shared folder, if it is there.
 fn shared(folder: &str) -> Option<PathBuf> {

@@ -14,13 +14,7 @@ use parry3d_f64::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use untangled::{
-    analysis::analyse,
-    frame::Frame,
-    intersect::do_intersect,
-    mesh::{EdgeId, FaceId, Mesh, MeshDescription},
-    predicates::{Site, side_of_plane},
-};
+use untangle::{analysis::analyse, frame::Frame, intersect::do_intersect, mesh::{EdgeId, FaceId, Mesh, MeshDescription}, predicates::{Site, side_of_plane}};
 
 /// Whether an edge pierces a face that it shares no vertex with, from the definition.
 fn pierces(mesh: &Mesh, frame: &Frame, edge: EdgeId, face: FaceId) -> bool {

@@ -7,11 +7,7 @@ mod support;
 use std::collections::BTreeMap;
 
 use support::{fan::fan, rules, scene::Scene};
-use untangled::{
-    analysis::Analysis,
-    mesh::Mesh,
-    paths::{ChainEnd, PairType, PathType, SurfacePoint},
-};
+use untangle::{analysis::Analysis, mesh::Mesh, paths::{ChainEnd, PairType, PathType, SurfacePoint}};
 
 fn types(analysis: &Analysis) -> BTreeMap<PairType, usize> {
     let mut types = BTreeMap::new();
@@ -40,7 +36,7 @@ fn any_number_of_curves_may_start_in_one_vertex() {
             assert_eq!(pair.loop_vertices.iter().map(|vertex| vertex.0).collect::<Vec<_>>(), [0]);
         }
         // Each copy passes through the vertex once, and joined ones don't cross: together they run through each half-path once.
-        let through = |point: &&untangled::paths::PathPoint| matches!(point.own, SurfacePoint::Vertex(_));
+        let through = |point: &&untangle::paths::PathPoint| matches!(point.own, SurfacePoint::Vertex(_));
         let num_passes = analysis.paths.points.iter().filter(through).count();
         assert_eq!(num_passes, num_curves as usize);
     }

@@ -9,20 +9,15 @@
 
 pub mod control;
 pub mod correction;
-pub mod domain;
 pub mod limits;
-pub mod lock;
-pub mod memory;
 pub mod names;
 pub mod paths;
 pub mod sections;
-pub mod services;
 pub mod state;
 pub mod status;
 
 pub use control::{CorrectionKind, Precision, RegisterParams, ReplyHeader, RequestHeader, RequestKind};
 pub use correction::{CorrectionHeader, VertexCorrection, flags, pair_type};
-pub use domain::{Domain, DomainError};
 pub use state::{PositionF32, PositionF64, StateHeader};
 pub use status::Status;
 

@@ -15,15 +15,12 @@ use thiserror::Error;
 
 pub use report::Report;
 
-use crate::{
-    analysis::{Analyser, Analysis, Stage, StageObserver},
-    cli::{
+use untangle::{analysis::{Analyser, Analysis, Stage, StageObserver}, settings::Settings};
+use crate::cli::{
         Outcome,
         input::{self, Input, InputError, is_same_file},
-    },
-    io::{FileFormat, write_contours_obj, write_contours_ply},
-    settings::Settings,
-};
+    };
+use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 use report::StageTimes;
 
 /// Finds all intersections of one mesh, or of several in one world.

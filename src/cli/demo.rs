@@ -20,11 +20,7 @@ use super::{
     Outcome,
     picture::{Picture, View},
 };
-use crate::{
-    analysis::analyse,
-    frame::{Frame, FrameError},
-    mesh::{Mesh, MeshDescription, MeshError, Uvs},
-};
+use untangle::{analysis::analyse, frame::{Frame, FrameError}, mesh::{Mesh, MeshDescription, MeshError, Uvs}};
 
 /// Size of the pictures in pixels.
 const PICTURE: [usize; 2] = [1600, 1000];

@@ -31,15 +31,12 @@ use thiserror::Error;
 pub use distortion::Distortion;
 pub use report::{Blocked, Counts, Report};
 
-use crate::{
-    analysis::analyse,
-    cli::{
+use untangle::{analysis::analyse, relax::{Quality, RelaxError, RelaxSettings, relax}};
+use crate::cli::{
         Outcome,
         input::{self, Input, InputError},
-    },
-    io::{MeshFile, Output, WriteError},
-    relax::{Quality, RelaxError, RelaxSettings, relax},
-};
+    };
+use untangled_mesh_io::{MeshFile, Output, WriteError};
 use interrupt::Interrupt;
 use progress::Progress;
 use repair::{Job, Repair, Repaired, Solver};

@@ -11,13 +11,8 @@ use std::{
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::{
-    analysis::Analysis,
-    frame::{Frame, FrameError},
-    io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh},
-    mesh::{Mesh, MeshError, VertexId},
-    paths::PairType,
-};
+use untangle::{analysis::Analysis, frame::{Frame, FrameError}, mesh::{Mesh, MeshError, VertexId}, paths::PairType};
+use untangled_mesh_io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh};
 
 /// Why files are no world that can be analysed.
 #[derive(Debug, Error)]

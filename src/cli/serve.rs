@@ -3,11 +3,7 @@
 use clap::Args;
 use sd_notify::NotifyState;
 
-use crate::{
-    config::{Config, ConfigFlags, Telemetry},
-    service::{self, ServeOptions, Shutdown},
-    telemetry,
-};
+use crate::{config::{Config, ConfigFlags, Telemetry}, service::{self, ServeOptions, Shutdown}, telemetry};
 
 use super::{CliError, Outcome};
 

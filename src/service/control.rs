@@ -7,13 +7,8 @@ use iceoryx2::{
     port::{notifier::Notifier, server::Server},
     prelude::{AllocationStrategy, EventId, Node},
 };
-use untangled_proto::{
-    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status,
-    control::Hello,
-    memory, names,
-    sections::Sections,
-    services::{self, Control, Event, Ipc},
-};
+use untangled_proto::{ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, control::Hello, names, sections::Sections};
+use untangled_transport::{memory, services::{self, Control, Event, Ipc}};
 
 use super::{
     error::{Refusal, ServeError},

@@ -1,7 +1,8 @@
 //! Why a daemon does not serve, and why it refuses a request.
 
 use thiserror::Error;
-use untangled_proto::{DomainError, Status, lock::LockError};
+use untangled_transport::{DomainError, lock::LockError};
+use untangled_proto::Status;
 
 /// Why a daemon did not start, or ended.
 #[derive(Debug, Error)]

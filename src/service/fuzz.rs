@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use untangled_proto::{CorrectionKind, PositionF32, PositionF64, StateHeader, VertexCorrection, sections::Sections};
 
-use crate::{frame::Frame, mesh::Mesh, respond::Corrections, settings::Settings};
+use untangle::{frame::Frame, mesh::Mesh, respond::Corrections, settings::Settings};
 
 use super::{ServeOptions, ingest, publish, register};
 

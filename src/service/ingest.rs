@@ -2,10 +2,7 @@
 
 use untangled_proto::{PositionF32, PositionF64, StateHeader, Status, correction::NO_FAULT, limits};
 
-use crate::{
-    frame::{Frame, FrameError},
-    mesh::Mesh,
-};
+use untangle::{frame::{Frame, FrameError}, mesh::Mesh};
 
 /// Why a state can't be used: the status and the fault of its correction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use untangled_proto::{Domain, memory};
+use untangled_transport::{Domain, memory};
 
 use super::{error::ServeError, leftovers::Leftovers, quiet::Quiet};
 

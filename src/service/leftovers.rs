@@ -11,11 +11,7 @@ use std::{
 };
 
 use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
-use untangled_proto::{
-    Domain,
-    memory::{self, ProcessId},
-    services::Ipc,
-};
+use untangled_transport::{Domain, memory::{self, ProcessId}, services::Ipc};
 
 /// Sweeps in which something must look left before it goes: by then the dead have been cleaned up behind several times.
 const SWEEPS: u32 = 5;
@@ -94,7 +90,7 @@ mod tests {
     use std::fs;
 
     use iceoryx2::prelude::{NodeBuilder, SignalHandlingMode};
-    use untangled_proto::lock::WipeOnLeave;
+    use untangled_transport::lock::WipeOnLeave;
 
     use super::*;
 

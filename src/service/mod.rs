@@ -44,14 +44,10 @@ use iceoryx2::{
     port::listener::{Listener, ListenerWaitError},
     prelude::{Node, NodeBuilder, SignalHandlingMode, set_log_level_from_env_or},
 };
-use untangled_proto::{
-    Domain, limits,
-    lock::{DomainLock, LockError},
-    memory, names,
-    services::{self, Event, Ipc},
-};
+use untangled_transport::{Domain, lock::{DomainLock, LockError}, memory, services::{self, Event, Ipc}};
+use untangled_proto::{limits, names};
 
-use crate::settings::Settings;
+use untangle::settings::Settings;
 
 use control::{ControlServer, RegistrationJob};
 pub use error::ServeError;

@@ -4,14 +4,10 @@ use iceoryx2::{
     port::publisher::Publisher,
     prelude::{AllocationStrategy, Node, PortFactory},
 };
-use untangled_proto::{
-    limits, memory,
-    names::{self, SessionService},
-    paths::{PathPoint, PathRecord, PathsHeader, path_type},
-    services::{self, Ipc, PathsService},
-};
+use untangled_proto::{limits, names::{self, SessionService}, paths::{PathPoint, PathRecord, PathsHeader, path_type}};
+use untangled_transport::{memory, services::{self, Ipc, PathsService}};
 
-use crate::paths::{IntersectionPaths, PathCopy, PathType};
+use untangle::paths::{IntersectionPaths, PathCopy, PathType};
 
 use super::{error::ServeError, publish::pair_index, throttle::Throttle};
 

@@ -5,13 +5,10 @@ use iceoryx2::{
     prelude::{EventId, Node, PortFactory, ZeroCopySend},
     sample::Sample,
 };
-use untangled_proto::{
-    CorrectionHeader, Domain, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection, memory,
-    names::{self, SessionService},
-    services::{self, CorrectionService, Event, Ipc, States},
-};
+use untangled_proto::{CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection, names::{self, SessionService}};
+use untangled_transport::{Domain, memory, services::{self, CorrectionService, Event, Ipc, States}};
 
-use crate::{frame::Frame, mesh::Mesh};
+use untangle::{frame::Frame, mesh::Mesh};
 
 use super::{
     clock::StageClock,

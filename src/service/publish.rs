@@ -1,16 +1,8 @@
 //! From an outcome to the sample that a host reads.
 
-use untangled_proto::{
-    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
-    correction::{NO_FAULT, TRUNCATED, flags, pair_type},
-};
+use untangled_proto::{CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection, correction::{NO_FAULT, TRUNCATED, flags, pair_type}};
 
-use crate::{
-    mesh::Mesh,
-    paths::PairType,
-    respond::{Corrections, VertexFlags},
-    untangler::Outcome,
-};
+use untangle::{mesh::Mesh, paths::PairType, respond::{Corrections, VertexFlags}, untangler::Outcome};
 
 use super::ingest::StateFault;
 
@@ -118,7 +110,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::mesh::MeshDescription;
+    use untangle::mesh::MeshDescription;
 
     #[test]
     #[expect(clippy::float_cmp, reason = "all values are powers of two")]

@@ -5,10 +5,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use untangled_proto::{
-    Domain,
-    memory::{self, ProcessId},
-};
+use untangled_transport::{Domain, memory::{self, ProcessId}};
 
 /// How long ago a folder must have changed: what came right after a look has the same time as what came before it.
 const SETTLED: Duration = Duration::from_secs(2);

@@ -3,15 +3,10 @@
 use std::sync::Arc;
 
 use figment::{Figment, providers::Serialized};
-use untangled_proto::{
-    CorrectionKind, Precision, RegisterParams, Status, limits, memory,
-    sections::{SectionError, Sections, id},
-};
+use untangled_proto::{CorrectionKind, Precision, RegisterParams, Status, limits, sections::{SectionError, Sections, id}};
+use untangled_transport::memory;
 
-use crate::{
-    mesh::{Mesh, MeshDescription, Uvs},
-    settings::{Quality, Settings},
-};
+use untangle::{mesh::{Mesh, MeshDescription, Uvs}, settings::{Quality, Settings}};
 
 use super::{ServeOptions, error::Refusal};
 
@@ -134,7 +129,7 @@ fn overlay(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Response;
+    use untangle::settings::Response;
 
     #[test]
     fn single_knobs_lie_over_a_quality_and_that_over_the_defaults() {

@@ -11,7 +11,8 @@ use std::{
 };
 
 use iceoryx2::prelude::Node;
-use untangled_proto::{Status, sections::Sections, services::Ipc};
+use untangled_proto::{Status, sections::Sections};
+use untangled_transport::services::Ipc;
 
 use super::{ServeOptions, error::Refusal, register, session::Session, throttle::Throttle};
 

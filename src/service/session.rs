@@ -21,19 +21,10 @@ use std::{
 };
 
 use iceoryx2::prelude::Node;
-use untangled_proto::{
-    CorrectionHeader, CorrectionKind, Domain, Precision, StateHeader, Status, VertexCorrection,
-    correction::{NO_FAULT, stage},
-    limits,
-    services::Ipc,
-};
+use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, StateHeader, Status, VertexCorrection, correction::{NO_FAULT, stage}, limits};
+use untangled_transport::{Domain, services::Ipc};
 
-use crate::{
-    frame::Frame,
-    mesh::Mesh,
-    settings::Settings,
-    untangler::{Outcome, Untangler},
-};
+use untangle::{frame::Frame, mesh::Mesh, settings::Settings, untangler::{Outcome, Untangler}};
 
 use super::{
     clock::StageClock,

@@ -3,10 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc, time::Instant};
 
 use serde::Serialize;
-use untangled_proto::{
-    CorrectionHeader, CorrectionKind, ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, Precision, Status,
-    correction::{TRUNCATED, stage},
-};
+use untangled_proto::{CorrectionHeader, CorrectionKind, ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, Precision, Status, correction::{TRUNCATED, stage}};
 
 use super::{registry::Registry, session::Session};
 

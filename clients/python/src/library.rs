@@ -7,7 +7,7 @@ use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict, PyList},
 };
-use untangled::{
+use untangle::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},

@@ -13,11 +13,11 @@ use iceoryx2::{
         set_log_level_from_env_or,
     },
 };
-use untangled_proto::{
-    Domain, ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status,
-    control::Hello,
+use untangled_proto::{ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status, control::Hello, names};
+use untangled_transport::{
+    Domain,
     lock::WipeOnLeave,
-    memory, names,
+    memory,
     services::{self, Control, Event, Ipc},
 };
 

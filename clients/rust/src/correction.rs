@@ -1,7 +1,8 @@
 //! A correction, read where the daemon wrote it.
 
 use iceoryx2::sample::Sample;
-use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, services::Ipc};
+use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT};
+use untangled_transport::services::Ipc;
 
 use crate::{
     error::FrameRefusal,

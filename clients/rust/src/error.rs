@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use thiserror::Error;
-use untangled_proto::{DomainError, Status};
+use untangled_proto::Status;
+use untangled_transport::DomainError;
 
 /// Why a request to the daemon came to nothing.
 #[derive(Clone, Debug, Error)]

@@ -7,8 +7,11 @@ use iceoryx2::{
     prelude::{CallbackProgression, Node, NodeState, PortFactory, ZeroCopySend},
 };
 use untangled_proto::{
-    CorrectionHeader, Domain, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
     names::{self, SessionService},
+};
+use untangled_transport::{
+    Domain,
     services::{self, CorrectionService, Ipc},
 };
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use iceoryx2::{port::publisher::Publisher, prelude::ZeroCopySend, sample_mut::SampleMut};
-use untangled_proto::{PositionF32, PositionF64, StateHeader, services::Ipc};
+use untangled_proto::{PositionF32, PositionF64, StateHeader};
+use untangled_transport::services::Ipc;
 
 use crate::{error::RequestError, link::StatePort, session::StepTime};
 

@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use iceoryx2::port::listener::Listener;
-use untangled_proto::services::Ipc;
+use untangled_transport::services::Ipc;
 
 /// The longest time between two looks.
 pub(crate) const SLICE: Duration = Duration::from_millis(50);

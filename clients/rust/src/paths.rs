@@ -1,10 +1,8 @@
 //! The intersection paths of a frame, read where the daemon wrote them.
 
 use iceoryx2::{port::subscriber::Subscriber, prelude::Node, sample::Sample};
-use untangled_proto::{
-    paths::{PathPoint, PathRecord, PathsHeader},
-    services::{self, Ipc},
-};
+use untangled_proto::paths::{PathPoint, PathRecord, PathsHeader};
+use untangled_transport::services::{self, Ipc};
 
 use crate::error::RequestError;
 

@@ -7,9 +7,8 @@ use iceoryx2::{
     pending_response::PendingResponse,
     port::{client::Client as RequestPort, listener::Listener},
 };
-use untangled_proto::{
-    Domain, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, memory, names, services::Ipc,
-};
+use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names};
+use untangled_transport::{Domain, memory, services::Ipc};
 
 use crate::{client::Shared, error::RequestError, looks::Looks};
 

@@ -9,12 +9,8 @@ use std::{
 
 use serde::Serialize;
 
-use crate::{
-    analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of},
-    mesh::Mesh,
-    paths::{ChainEnd, PairType, PathType},
-};
+use untangle::{analysis::Analysis, mesh::Mesh, paths::{ChainEnd, PairType, PathType}};
+use crate::cli::input::{Counted, count_path_pairs, name_of};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
 #[derive(Clone, Debug, Serialize)]

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use serde::Serialize;
 
-use crate::mesh::Mesh;
+use untangle::mesh::Mesh;
 
 /// Distances and ratios between two states of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

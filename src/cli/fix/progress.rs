@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::{cli::input::name_of, relax::Iteration};
+use crate::cli::input::name_of;
+use untangle::relax::Iteration;
 
 /// One line on standard error, if that is a terminal, which goes away in the end.
 #[derive(Debug)]

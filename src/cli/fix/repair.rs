@@ -12,17 +12,11 @@ use super::{
     report::{Blocked, Counts},
     target::{Staged, Target},
 };
-use crate::{
-    analysis::{Analysis, analyse},
-    cli::input::{self, Input},
-    frame::Frame,
-    intersect::{Intersections, Intersector},
-    io::{MeshFile, Output, read_mesh},
-    mesh::Mesh,
-    relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
-};
+use untangle::{analysis::{Analysis, analyse}, frame::Frame, intersect::{Intersections, Intersector}, mesh::Mesh, relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation}};
+use crate::cli::input::{self, Input};
+use untangled_mesh_io::{MeshFile, Output, read_mesh};
 
-/// What brings a state apart: [`relax`](crate::relax::relax), or what a test puts in its place.
+/// What brings a state apart: [`relax`](untangle::relax::relax), or what a test puts in its place.
 pub(super) type Solver<'a> = &'a mut dyn FnMut(
     &Mesh,
     &[[f64; 3]],

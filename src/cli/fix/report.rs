@@ -8,12 +8,8 @@ use std::{
 use serde::Serialize;
 
 use super::distortion::Distortion;
-use crate::{
-    analysis::Analysis,
-    cli::input::{Counted, count_path_pairs, name_of},
-    paths::PairType,
-    relax::{BlockedPath, Iteration},
-};
+use untangle::{analysis::Analysis, paths::PairType, relax::{BlockedPath, Iteration}};
+use crate::cli::input::{Counted, count_path_pairs, name_of};
 
 /// The report of one repair; its fields are the JSON schema `untangled.fix/1`.
 #[derive(Clone, Debug, Serialize)]

@@ -5,11 +5,8 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::{
-    io::read_mesh,
-    mesh::Mesh,
-    relax::{BlockedPath, Iteration, Method, Relaxation},
-};
+use untangled_mesh_io::read_mesh;
+use untangle::{mesh::Mesh, relax::{BlockedPath, Iteration, Method, Relaxation}};
 
 const FLOOR: &str = "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n";
 const SPIKE: &str = "v 1 1 0.5\nv 1 1.5 3\nv 1.5 1 3\nf 1 2 3\n";
@@ -127,7 +124,7 @@ fn what_is_left_is_named_and_worse_than_before_is_not_written() {
     let files = [("floor.obj", FLOOR), ("spike.obj", SPIKE)];
     let (_folder, args) = set_up(&files, &["floor.obj", "spike.obj"], "out.obj");
     let reason = BlockedPath {
-        pair_type: crate::paths::PairType::BoundaryInside,
+        pair_type: untangle::paths::PairType::BoundaryInside,
         vertex: 3,
         length_m: 0.5,
         reason: "pinned".into(),
@@ -204,7 +201,7 @@ fn vertices_that_a_file_holds_fast_must_be_pinned() {
 #[test]
 fn edges_without_length_have_no_ratio() {
     let faces = vec![[0, 1, 2]];
-    let mesh = Mesh::new(crate::mesh::MeshDescription { num_vertices: 3, faces, ..Default::default() }).unwrap();
+    let mesh = Mesh::new(untangle::mesh::MeshDescription { num_vertices: 3, faces, ..Default::default() }).unwrap();
     let point = [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
     let opened = [[0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
     let distortion = Distortion::new(&mesh, &point, &opened);

@@ -15,7 +15,7 @@ use std::{fs::File, io::BufWriter, path::Path};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{analysis::Analysis, frame::Frame, mesh::Mesh};
+use untangle::{analysis::Analysis, frame::Frame, mesh::Mesh};
 
 pub use view::View;
 

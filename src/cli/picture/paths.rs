@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 
-use crate::{analysis::Analysis, mesh::Mesh, paths::PairType};
+use untangle::{analysis::Analysis, mesh::Mesh, paths::PairType};
 
 use super::{Colour, raster::Canvas, theme, view::View};
 

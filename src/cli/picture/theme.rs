@@ -1,6 +1,6 @@
 //! Colours and names.
 
-use crate::paths::PairType;
+use untangle::paths::PairType;
 
 use super::Colour;
 

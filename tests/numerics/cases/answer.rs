@@ -3,15 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use untangled::{
-    analysis::Analysis,
-    correspond::PathCorrespondence,
-    frame::Frame,
-    mesh::Mesh,
-    respond::Corrections,
-    settings::{Response, Settings},
-    untangler::Untangler,
-};
+use untangle::{analysis::Analysis, correspond::PathCorrespondence, frame::Frame, mesh::Mesh, respond::Corrections, settings::{Response, Settings}, untangler::Untangler};
 
 use super::ensure;
 use crate::support::{

@@ -2,10 +2,7 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
-use untangled::{
-    mesh::Mesh,
-    relax::{RelaxSettings, relax},
-};
+use untangle::{mesh::Mesh, relax::{RelaxSettings, relax}};
 
 use super::{
     Case, Chapter, Effort, Seen,

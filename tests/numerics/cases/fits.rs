@@ -5,7 +5,7 @@
 use std::{f64::consts::TAU, sync::Arc};
 
 use nalgebra::{Point2, Vector2};
-use untangled::{correspond::Correspondences, mesh::Mesh, settings::Settings, untangler::Untangler};
+use untangle::{correspond::Correspondences, mesh::Mesh, settings::Settings, untangler::Untangler};
 
 use super::{Case, Chapter, Effort, Seen, answer::frame, ensure};
 use crate::support::{
@@ -133,12 +133,12 @@ fn folds(effort: Effort, count: usize) -> Seen {
         scene.add_lines(&steps(-0.93, 0.89, 31, 0.007), &steps(0.0, 1.0, 18, 0.007), place);
         worst = worst.max(fitted(with_uvs(&scene), &scene.positions, Some(count), |found| {
             fits.add(found)?;
-            let at = |point: &untangled::correspond::MaterialPoint| -> Vector2<f64> {
+            let at = |point: &untangle::correspond::MaterialPoint| -> Vector2<f64> {
                 let weighted = point.vertices.iter().zip(point.weights);
                 weighted.map(|(vertex, weight)| Vector2::from(scene.uvs[vertex.index()]) * weight).sum()
             };
             let edge = 1.0 / 18.0;
-            let miss = |pull: &untangled::correspond::Pull| {
+            let miss = |pull: &untangle::correspond::Pull| {
                 let ([u, v], target) = (at(&pull.source).into(), at(&pull.target));
                 (target - Vector2::new(-u, v)).norm() / edge
             };

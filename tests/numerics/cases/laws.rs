@@ -5,11 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use untangled::{
-    mesh::{Mesh, MeshDescription},
-    respond::{Corrections, VertexFlags},
-    settings::{Response, Settings},
-};
+use untangle::{mesh::{Mesh, MeshDescription}, respond::{Corrections, VertexFlags}, settings::{Response, Settings}};
 
 use super::{
     Case, Chapter, Effort, Seen,
@@ -169,7 +165,7 @@ pub(super) fn with_masses(faces: Vec<[u32; 3]>, masses: &[f64]) -> Arc<Mesh> {
 }
 
 /// What is left of all forces and of all torques, as parts of the sums of their lengths.
-fn residuals(frame: &untangled::frame::Frame, corrections: &Corrections) -> [f64; 2] {
+fn residuals(frame: &untangle::frame::Frame, corrections: &Corrections) -> [f64; 2] {
     let sum: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
     let centre = Point3::from(sum / frame.positions().len() as f64);
     let forces: f64 = corrections.forces.iter().map(Vector3::norm).sum();

@@ -2,11 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use untangled::{
-    frame::Frame,
-    mesh::Mesh,
-    paths::{PairType, SurfacePoint},
-};
+use untangle::{frame::Frame, mesh::Mesh, paths::{PairType, SurfacePoint}};
 
 use super::{
     Case, Chapter, Effort, Seen,

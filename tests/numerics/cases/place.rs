@@ -2,7 +2,7 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
-use untangled::relax::{RelaxSettings, Relaxation, relax};
+use untangle::relax::{RelaxSettings, Relaxation, relax};
 
 use super::{
     Case, Chapter, Effort, Seen,

@@ -2,14 +2,8 @@
 
 use std::{ops::ControlFlow, sync::Arc};
 
-use untangled::{
-    frame::{Frame, FrameError},
-    mesh::{Mesh, MeshDescription, MeshError, Uvs},
-    relax::{RelaxError, RelaxSettings, relax},
-    service::fuzz::{self, Positions},
-    settings::Settings,
-    untangler::Untangler,
-};
+use untangle::{frame::{Frame, FrameError}, mesh::{Mesh, MeshDescription, MeshError, Uvs}, relax::{RelaxError, RelaxSettings, relax}, settings::Settings, untangler::Untangler};
+use untangled::service::fuzz::{self, Positions};
 use untangled_proto::{PositionF32, PositionF64, StateHeader};
 
 use super::{

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, sync::Arc};
 
-use untangled::{frame::Frame, mesh::Mesh};
+use untangle::{frame::Frame, mesh::Mesh};
 
 use super::{
     Case, Chapter, Effort, Seen,

@@ -1,7 +1,8 @@
 //! The step of time, which enters where a correction is put on the wire, and what a host makes of it.
 
 use nalgebra::Vector3;
-use untangled::{respond::VertexFlags, service::fuzz, settings::Settings};
+use untangle::{respond::VertexFlags, settings::Settings};
+use untangled::service::fuzz;
 use untangled_proto::{CorrectionKind, VertexCorrection};
 use untangled_publisher::{
     scenes::Scene,

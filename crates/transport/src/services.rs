@@ -1,0 +1,219 @@
+//! The iceoryx2 services with their quality of service: both sides build them here, so that they always agree.
+//!
+//! The daemon creates, clients open. Opening states no numbers, so that a client takes what the daemon chose.
+
+use iceoryx2::{
+    prelude::*,
+    service::{
+        builder::{
+            event::{EventCreateError, EventOpenError, EventOpenOrCreateError},
+            publish_subscribe::{PublishSubscribeCreateError, PublishSubscribeOpenError},
+            request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError},
+        },
+        port_factory,
+    },
+};
+
+use untangled_proto::paths::PathsHeader;
+use untangled_proto::{
+    control::{ReplyHeader, RequestHeader},
+    correction::{CorrectionHeader, VertexCorrection},
+    limits, names,
+    state::StateHeader,
+};
+
+/// The flavour of iceoryx2 whose ports may move between threads. Peers of the other flavour can talk to it.
+pub type Ipc = ipc_threadsafe::Service;
+/// The control service.
+pub type Control = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
+/// A state service of positions `P`.
+pub type States<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], StateHeader>;
+/// A correction service.
+pub type CorrectionService = port_factory::publish_subscribe::PortFactory<Ipc, [VertexCorrection], CorrectionHeader>;
+/// A paths service.
+pub type PathsService = port_factory::publish_subscribe::PortFactory<Ipc, [u8], PathsHeader>;
+/// An event service.
+pub type Event = port_factory::event::PortFactory<Ipc>;
+
+const MAX_NODES: usize = limits::MAX_CLIENTS + 8;
+
+fn service_name(name: &str) -> ServiceName {
+    // Names are built in `names` from short literals and numbers.
+    ServiceName::new(name).unwrap_or_else(|error| panic!("service name {name}: {error:?}"))
+}
+
+fn payload_alignment() -> Alignment {
+    Alignment::new(limits::PAYLOAD_ALIGNMENT).unwrap_or(Alignment::ALIGN_64)
+}
+
+/// Opens or creates the control service; only the daemon makes a server for it.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOrCreateError> {
+    node.service_builder(&service_name(names::CONTROL))
+        .request_response::<[u8], [u8]>()
+        .request_user_header::<RequestHeader>()
+        .response_user_header::<ReplyHeader>()
+        .request_payload_alignment(payload_alignment())
+        .response_payload_alignment(payload_alignment())
+        .max_servers(1)
+        .max_clients(limits::MAX_CLIENTS)
+        .max_nodes(MAX_NODES)
+        .max_active_requests_per_client(1)
+        .max_loaned_requests(1)
+        .max_response_buffer_size(1)
+        .max_borrowed_responses_per_pending_response(1)
+        .open_or_create()
+}
+
+/// Opens the control service.
+///
+/// # Errors
+/// As iceoryx2 says; it does not exist where no daemon runs.
+pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenError> {
+    node.service_builder(&service_name(names::CONTROL))
+        .request_response::<[u8], [u8]>()
+        .request_user_header::<RequestHeader>()
+        .response_user_header::<ReplyHeader>()
+        .request_payload_alignment(payload_alignment())
+        .response_payload_alignment(payload_alignment())
+        .open()
+}
+
+/// Opens or creates one of the two events that all clients share.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_shared_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenOrCreateError> {
+    node.service_builder(&service_name(name))
+        .event()
+        .max_notifiers(limits::MAX_CLIENTS + 1)
+        .max_listeners(limits::MAX_CLIENTS + 1)
+        .max_nodes(MAX_NODES)
+        .event_id_max_value(names::EVENT_MAX)
+        .open_or_create()
+}
+
+/// Opens an event.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError> {
+    node.service_builder(&service_name(name)).event().open()
+}
+
+/// Creates the event of a session.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventCreateError> {
+    node.service_builder(&service_name(name))
+        .event()
+        .max_notifiers(1)
+        .max_listeners(1 + limits::PATHS_SUBSCRIBERS)
+        .max_nodes(2 + limits::PATHS_SUBSCRIBERS)
+        .event_id_max_value(names::EVENT_MAX)
+        .notifier_dropped_event(EventId::new(names::EVENT_GONE))
+        .notifier_dead_event(EventId::new(names::EVENT_GONE))
+        .create()
+}
+
+/// Creates a state service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+) -> Result<States<P>, PublishSubscribeCreateError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[P]>()
+        .user_header::<StateHeader>()
+        .payload_alignment(payload_alignment())
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(2)
+        .history_size(0)
+        .subscriber_max_buffer_size(limits::STATE_BUFFER)
+        .subscriber_max_borrowed_samples(limits::STATE_BORROWED)
+        .enable_safe_overflow(true)
+        .create()
+}
+
+/// Opens a state service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+) -> Result<States<P>, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[P]>()
+        .user_header::<StateHeader>()
+        .payload_alignment(payload_alignment())
+        .open()
+}
+
+/// Creates a correction service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeCreateError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[VertexCorrection]>()
+        .user_header::<CorrectionHeader>()
+        .payload_alignment(payload_alignment())
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(2)
+        .history_size(0)
+        .subscriber_max_buffer_size(limits::CORRECTION_BUFFER)
+        .subscriber_max_borrowed_samples(limits::CORRECTION_BORROWED)
+        .enable_safe_overflow(true)
+        .create()
+}
+
+/// Opens a correction service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[VertexCorrection]>()
+        .user_header::<CorrectionHeader>()
+        .payload_alignment(payload_alignment())
+        .open()
+}
+
+/// Creates a paths service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeCreateError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[u8]>()
+        .user_header::<PathsHeader>()
+        .payload_alignment(payload_alignment())
+        .max_publishers(1)
+        .max_subscribers(limits::PATHS_SUBSCRIBERS)
+        .max_nodes(2 + limits::PATHS_SUBSCRIBERS)
+        .history_size(0)
+        .subscriber_max_buffer_size(1)
+        .subscriber_max_borrowed_samples(limits::PATHS_BORROWED)
+        .enable_safe_overflow(true)
+        .create()
+}
+
+/// Opens a paths service.
+///
+/// # Errors
+/// As iceoryx2 says.
+pub fn open_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[u8]>()
+        .user_header::<PathsHeader>()
+        .payload_alignment(payload_alignment())
+        .open()
+}

@@ -1,0 +1,63 @@
+//! Whole frames of real meshes, where they are.
+
+use std::path::{Path, PathBuf};
+
+use untangled_mesh_io::{concatenate, read_mesh};
+use untangle::mesh::Mesh;
+
+use crate::{Failure, frames::measure, header, milliseconds};
+
+/// A folder of meshes beside the checkout.
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+
+pub(crate) fn table() -> Result<(), Failure> {
+    println!("\n## Real meshes\n");
+    let mut files: Vec<PathBuf> = match std::fs::read_dir(FOLDER) {
+        Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),
+        Err(_) => {
+            println!("Left out: there is no folder ../shared/data beside the checkout.");
+            return Ok(());
+        }
+    };
+    files.retain(|file| file.extension().is_some_and(|kind| kind == "obj" || kind == "ply"));
+    files.sort();
+    println!(
+        "The meshes of ../shared/data as they are, on one thread; milliseconds of the stages of a cold frame, of all of it, and of one that follows another in which \
+         waves of a hundredth of an edge run through the cloth.\n"
+    );
+    header(&[
+        "mesh", "#Tri", "#Paths", "#Seg", "#In", "search", "paths", "regions", "targets", "response", "all", "next",
+    ]);
+    for file in files {
+        row(&file)?;
+    }
+    Ok(())
+}
+
+fn row(file: &Path) -> Result<(), Failure> {
+    let world = concatenate(&[read_mesh(file)?])?;
+    let mesh = Mesh::new(world.description)?;
+    let num_faces = mesh.num_faces();
+    let edge = mean_edge(&mesh, &world.positions);
+    let found = measure(mesh, &world.positions, edge, 3)?;
+    let stages = found.stages.map(|time| format!("{:.2}", milliseconds(time)));
+    println!(
+        "| {} | {num_faces} | {} | {} | {} | {} | {:.2} | {:.2} |",
+        file.file_stem().unwrap_or_default().display(),
+        found.num_paths,
+        found.num_segments,
+        found.num_inside,
+        stages.join(" | "),
+        milliseconds(found.whole),
+        milliseconds(found.next),
+    );
+    Ok(())
+}
+
+fn mean_edge(mesh: &Mesh, positions: &[[f64; 3]]) -> f64 {
+    let lengths = mesh.edge_ids().map(|edge| {
+        let [a, b] = mesh.edge(edge).map(|end| positions[end.index()]);
+        (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt()
+    });
+    lengths.sum::<f64>() / mesh.num_edges() as f64
+}
