@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use untangle::{analysis::{Stage, StageObserver}, frame::Frame, mesh::{Mesh, MeshDescription}, respond::{LeftOut, VertexFlags}, settings::{Response, Settings}, untangler::Untangler};
+use untangle::{stage::{Stage, StageObserver}, frame::Frame, mesh::{Mesh, MeshDescription}, respond::{LeftOut, VertexFlags}, settings::{Response, Settings}, untangler::Untangler};
 
 /// Time for so many questions.
 struct Questions(usize);

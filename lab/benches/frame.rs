@@ -10,7 +10,7 @@ use std::{
 };
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use untangle::{analysis::{Analyser, Stage, StageObserver}, frame::Frame, settings::Settings, untangler::Untangler};
+use untangle::{analysis::Analyser, stage::{Stage, StageObserver}, frame::Frame, settings::Settings, untangler::Untangler};
 
 /// Sheets of twice the square of these.
 const RESOLUTIONS: [u32; 4] = [35, 125, 250, 500];

@@ -149,10 +149,10 @@ impl Sheet {
             let places = point.vertices.iter().zip(point.weights);
             places.fold(Point2::origin(), |sum, (vertex, weight)| sum + self.flat[vertex.index()].coords * weight)
         };
-        let mut errors: Vec<f64> = found.pulls[path.pulls.clone()]
+        let mut errors: Vec<f64> = found.attractions[path.attractions.clone()]
             .iter()
-            .map(|pull| {
-                let (from, to) = (at(&pull.source), at(&pull.target));
+            .map(|attraction| {
+                let (from, to) = (at(&attraction.source), at(&attraction.target));
                 (to - Point2::new(-from.x, from.y)).norm() / self.edge_m
             })
             .collect();

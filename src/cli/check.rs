@@ -15,7 +15,7 @@ use thiserror::Error;
 
 pub use report::Report;
 
-use untangle::{analysis::{Analyser, Analysis, Stage, StageObserver}, settings::Settings};
+use untangle::{analysis::{Analyser, Analysis}, stage::{Stage, StageObserver}, settings::Settings};
 use crate::cli::{
         Outcome,
         input::{self, Input, InputError, is_same_file},

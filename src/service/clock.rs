@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use untangled_proto::correction::stage;
 
-use untangle::analysis::{Stage, StageObserver};
+use untangle::stage::{Stage, StageObserver};
 
 /// Measures stages; the only clock that the pipeline meets, and from outside.
 #[derive(Debug)]

@@ -8,7 +8,7 @@
 //! 4. add the values to the next step, and in that step **switch self-collision off** where a flag of [`flags::MASK`] is set.
 //!
 //! The fourth point is not a detail. Contact defends whatever side a vertex is on, so with it switched on a force only presses the
-//! cloth against itself; see `--force-only`. And without the force nothing pulls the cloth back; see `--mask-only`.
+//! cloth against itself; see `--force-only`. And without the force nothing attractions the cloth back; see `--mask-only`.
 
 use std::{
     io,

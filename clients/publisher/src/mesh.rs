@@ -10,7 +10,7 @@ pub type Vec3 = Vector3<f64>;
 pub struct Cloth {
     /// Where the vertices are, `num_vertices x 3`.
     pub positions: Vec<Vec3>,
-    /// Where they are when nothing pulls, `num_vertices x 3`: only lengths and angles within a triangle and its neighbours are used, so
+    /// Where they are when nothing attractions, `num_vertices x 3`: only lengths and angles within a triangle and its neighbours are used, so
     /// that a flat layout serves.
     pub rest_positions: Vec<Vec3>,
     /// Vertex indices, `num_triangles x 3`.

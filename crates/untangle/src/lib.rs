@@ -28,6 +28,7 @@ pub mod predicates;
 
 pub mod mesh;
 pub mod settings;
+pub mod stage;
 
 pub mod frame;
 

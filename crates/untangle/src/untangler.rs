@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
-    analysis::{Analyser, Analysis, Stage, StageObserver},
+    analysis::{Analyser, Analysis}, stage::{Stage, StageObserver},
     correspond::Correspondences,
     frame::Frame,
     mesh::Mesh,

@@ -15,7 +15,7 @@ mod sheet;
 
 use std::time::{Duration, Instant};
 
-use untangle::{analysis::{Analyser, Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings};
+use untangle::{analysis::Analyser, stage::{Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings};
 
 /// Durations of intersect, paths and regions.
 #[derive(Default)]

@@ -76,10 +76,10 @@ impl Fits {
             self.residual = self.residual.max(fit.residual_m / fit.edge_length_m);
             ensure(fit.condition.is_finite() && fit.residual_m.is_finite(), || "a fit is not finite".into())?;
         }
-        let places = found.pulls.iter().flat_map(|pull| [pull.source, pull.target]);
+        let places = found.attractions.iter().flat_map(|pull| [pull.source, pull.target]);
         let weights = places
             .flat_map(|point| point.weights)
-            .chain(found.partings.iter().flat_map(|part| part.direction.data.0[0]));
+            .chain(found.separations.iter().flat_map(|part| part.direction.data.0[0]));
         ensure(weights.into_iter().all(f64::is_finite), || "a target is not finite".into())
     }
 
@@ -138,11 +138,11 @@ fn folds(effort: Effort, count: usize) -> Seen {
                 weighted.map(|(vertex, weight)| Vector2::from(scene.uvs[vertex.index()]) * weight).sum()
             };
             let edge = 1.0 / 18.0;
-            let miss = |pull: &untangle::correspond::Pull| {
+            let miss = |pull: &untangle::correspond::Attraction| {
                 let ([u, v], target) = (at(&pull.source).into(), at(&pull.target));
                 (target - Vector2::new(-u, v)).norm() / edge
             };
-            Ok(found.pulls.iter().map(miss).fold(0.0, f64::max))
+            Ok(found.attractions.iter().map(miss).fold(0.0, f64::max))
         })?);
     }
     ensure(fits.count >= 2, || format!("only {} fits", fits.count))?;

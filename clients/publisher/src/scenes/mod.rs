@@ -1,7 +1,7 @@
 //! Tangled scenes to start from, the same for the same seed: one for each type of intersection path in Wicke, Lanker and Gross
 //! (2006), and several side by side.
 //!
-//! Each tangle is held: the cloth is pinned and gravity pulls it further in, so that it does not fall out by itself. The rest shape of
+//! Each tangle is held: the cloth is pinned and gravity attractions it further in, so that it does not fall out by itself. The rest shape of
 //! every sheet is flat, and its texture coordinates are the rest shape, in metres.
 
 mod folds;

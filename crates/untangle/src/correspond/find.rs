@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
-    Correspondences, MaterialPoint, PathCorrespondence, Pull,
+    Correspondences, MaterialPoint, PathCorrespondence, Attraction,
     centres::Centres,
     chart::Chart,
     fit::fit,
@@ -12,13 +12,13 @@ use super::{
     lift::Lift,
     rbf::ThinPlate,
     sheets::Sheets,
-    track::{Sheet, Track},
+    track::Track,
 };
 use crate::{
-    analysis::{Analysis, StageObserver},
+    analysis::Analysis, stage::StageObserver,
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
-    paths::{PathPoint, PathSegment},
+    paths::{PathPoint, PathSegment, Sheet},
     regions::starts_pair,
     settings::Settings,
 };
@@ -73,8 +73,8 @@ impl Correspondent {
     /// Forgets what was found.
     pub(crate) fn clear(&mut self) -> &Correspondences {
         self.correspondences.paths.clear();
-        self.correspondences.pulls.clear();
-        self.correspondences.partings.clear();
+        self.correspondences.attractions.clear();
+        self.correspondences.separations.clear();
         self.correspondences.num_done = 0;
         self.laid = None;
         &self.correspondences
@@ -179,31 +179,31 @@ impl Correspondent {
             fit(&mut self.centres, &mut self.plate, &self.track, sides, edge_length_m, is_joint, settings)?;
         // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
         let share = if partner_region.is_some() && !is_joint { 0.5 } else { 1.0 };
-        let (first_pull, first_parting) = (self.correspondences.pulls.len(), self.correspondences.partings.len());
-        let partings = &mut self.correspondences.partings;
-        if let Some(Mirror { partings: of_partner, .. }) = mirror {
-            part_partner(partings, of_partner);
+        let (first_pull, first_parting) = (self.correspondences.attractions.len(), self.correspondences.separations.len());
+        let separations = &mut self.correspondences.separations;
+        if let Some(Mirror { separations: of_partner, .. }) = mirror {
+            part_partner(separations, of_partner);
         } else {
-            sheets.part(sides, share, partings);
+            sheets.part(sides, share, separations);
         }
         if let Some(laid) = &mut self.laid
             && are_mirrored(&analysis.paths, [copy, path.partner])
         {
-            let partings = first_parting..partings.len();
-            laid.mirror = Some(Mirror { sides: (side, image_side), partings });
+            let separations = first_parting..separations.len();
+            laid.mirror = Some(Mirror { sides: (side, image_side), separations });
         }
         let image = Image { own, partner, track: &self.track, plate: &self.plate, sides };
-        let pulls = &mut self.correspondences.pulls;
-        let mut pull = |source: MaterialPoint| {
+        let attractions = &mut self.correspondences.attractions;
+        let mut attraction = |source: MaterialPoint| {
             if let Some(target) = image.of(mesh, &source) {
-                pulls.push(Pull { source, target });
+                attractions.push(Attraction { source, target });
             }
         };
         if region.is_empty() {
-            points_within(mesh, points, segments, &mut self.face_points, &mut pull);
+            points_within(mesh, points, segments, &mut self.face_points, &mut attraction);
         }
         for &vertex in region {
-            pull(MaterialPoint::vertex(vertex));
+            attraction(MaterialPoint::vertex(vertex));
         }
         Some(PathCorrespondence {
             copy,
@@ -215,8 +215,8 @@ impl Correspondent {
             condition: self.plate.condition(),
             residual_m,
             edge_length_m,
-            pulls: first_pull..self.correspondences.pulls.len(),
-            partings: first_parting..self.correspondences.partings.len(),
+            attractions: first_pull..self.correspondences.attractions.len(),
+            separations: first_parting..self.correspondences.separations.len(),
         })
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::{Parting, chart::ChartKind};
+use super::{SeparationConstraint, chart::ChartKind};
 use crate::paths::{IntersectionPaths, PathPoint, PathSegment};
 
 /// Whose charts there are.
@@ -23,7 +23,7 @@ pub(crate) struct Laid {
 pub(crate) struct Mirror {
     /// Sides of the inside along the path, and along its partner as far as a region says so.
     pub(crate) sides: (f64, Option<f64>),
-    pub(crate) partings: Range<usize>,
+    pub(crate) separations: Range<usize>,
 }
 
 /// Whether two paths name the same points in the same order, each on its own sheet first.
@@ -39,10 +39,10 @@ pub(crate) fn are_mirrored(paths: &IntersectionPaths, copies: [usize; 2]) -> boo
         && p.iter().zip(q).all(|(p, q)| mirrored_point(p, q) && p.position == q.position)
 }
 
-/// Adds the partings of the partner of the path whose partings these are.
-pub(crate) fn part_partner(partings: &mut Vec<Parting>, of_path: Range<usize>) {
+/// Adds the separations of the partner of the path whose separations these are.
+pub(crate) fn part_partner(separations: &mut Vec<SeparationConstraint>, of_path: Range<usize>) {
     for index in of_path {
-        let Parting { own, partner, position, direction, length_m } = partings[index];
-        partings.push(Parting { own: partner, partner: own, position, direction: -direction, length_m });
+        let SeparationConstraint { own, partner, position, direction, length_m } = separations[index];
+        separations.push(SeparationConstraint { own: partner, partner: own, position, direction: -direction, length_m });
     }
 }

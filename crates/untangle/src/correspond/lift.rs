@@ -5,11 +5,10 @@ use nalgebra::Point2;
 use super::{
     chart::{Chart, turns},
     motion::Motion,
-    track::Sheet,
 };
 use crate::{
     mesh::{FaceId, Mesh},
-    paths::{PathPoint, PathSegment, SurfacePoint},
+    paths::{PathPoint, PathSegment, Sheet, SurfacePoint},
 };
 
 /// A closed path whose end lies farther from its start than this part of its length runs round a tube.

@@ -2,8 +2,8 @@
 //!
 //! For each path with an inside region: a [chart](ChartKind) of the surroundings of the path and one of the surroundings of the
 //! corresponding path; a thin-plate map that takes the one path to the other; and for each point inside its image, the *target*: the
-//! place of the cloth that it penetrated. A [`Pull`] is such a pair of points. On the path itself source and target coincide, and what
-//! is left is the direction in which the two sheets have to part: a [`Parting`].
+//! place of the cloth that it penetrated. A [`Attraction`] is such a pair of points. On the path itself source and target coincide, and what
+//! is left is the direction in which the two sheets have to part: a [`SeparationConstraint`].
 
 mod centres;
 mod chart;
@@ -51,7 +51,7 @@ pub(crate) use find::mean_edge_length;
 
 /// A point inside and the place where it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pull {
+pub struct Attraction {
     /// The point inside: a vertex, or a point of a face of a region without vertices.
     pub source: MaterialPoint,
     /// Its target on the corresponding sheet.
@@ -60,7 +60,7 @@ pub struct Pull {
 
 /// A point on a path and the direction in which its two sheets part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parting {
+pub struct SeparationConstraint {
     /// The point on the sheet of the path.
     pub own: MaterialPoint,
     /// The same point of the world on the corresponding sheet.
@@ -94,10 +94,10 @@ pub struct PathCorrespondence {
     pub residual_m: f64,
     /// Mean edge length of the faces that the path runs through, in metres.
     pub edge_length_m: f64,
-    /// Its pulls in [`Correspondences::pulls`].
-    pub pulls: Range<usize>,
-    /// Its partings in [`Correspondences::partings`].
-    pub partings: Range<usize>,
+    /// Its attractions in [`Correspondences::attractions`].
+    pub attractions: Range<usize>,
+    /// Its separations in [`Correspondences::separations`].
+    pub separations: Range<usize>,
 }
 
 /// The correspondences of all paths of a frame that have one, in the order of the paths.
@@ -106,9 +106,9 @@ pub struct Correspondences {
     /// Path by path.
     pub paths: Vec<PathCorrespondence>,
     /// Pulls of all paths.
-    pub pulls: Vec<Pull>,
+    pub attractions: Vec<Attraction>,
     /// Partings of all paths.
-    pub partings: Vec<Parting>,
+    pub separations: Vec<SeparationConstraint>,
     /// Copies of the [order of work](crate::regions::InsideRegions::order) that were looked at: all, unless time was up.
     pub num_done: usize,
 }

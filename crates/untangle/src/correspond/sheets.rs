@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{MaterialPoint, Parting, chart::Chart};
+use super::{MaterialPoint, SeparationConstraint, chart::Chart};
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh},
@@ -35,7 +35,7 @@ impl Sheets<'_> {
 
     /// Adds the middles of all segments, with the direction in which the inside has to go there: the limit, on the path, of the
     /// way from a point inside to its target. Inside a point lies by `b`, its target by `b'`, times the same small distance.
-    pub(crate) fn part(&self, sides: (f64, f64), share: f64, partings: &mut Vec<Parting>) {
+    pub(crate) fn part(&self, sides: (f64, f64), share: f64, separations: &mut Vec<SeparationConstraint>) {
         for (index, segment) in self.segments.iter().enumerate() {
             let Some((inside, image)) = self.conormals(index, sides) else { continue };
             let Some(direction) = (image - inside).try_normalize(1e-9) else { continue };
@@ -45,7 +45,7 @@ impl Sheets<'_> {
             let (Some(own), Some(partner)) = (own, partner) else { continue };
             let position = nalgebra::center(&start.position, &end.position);
             let length_m = self.segment_length(index) * share;
-            partings.push(Parting { own, partner, position, direction, length_m });
+            separations.push(SeparationConstraint { own, partner, position, direction, length_m });
         }
     }
 

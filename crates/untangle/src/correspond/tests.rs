@@ -69,19 +69,19 @@ fn error(
     let path = found.paths.iter().find(|path| analysis.paths.copies[path.copy].path_type == expected).unwrap();
     assert_eq!(path.own_chart.source, source);
     assert_eq!(path.rank_deficiency, 0);
-    let pulls = &found.pulls[path.pulls.clone()];
+    let attractions = &found.attractions[path.attractions.clone()];
     let mut sum = 0.0;
-    for pull in pulls {
-        let (from, to) = (at(&pull.source), at(&pull.target));
+    for attraction in attractions {
+        let (from, to) = (at(&attraction.source), at(&attraction.target));
         sum += (to - Point2::new(-from.x, from.y)).norm();
     }
-    let mean = sum / pulls.len() as f64 / edge;
+    let mean = sum / attractions.len() as f64 / edge;
     println!(
         "{expected:?} from {source:?}: {mean:.3} edges over {} targets, {} centres",
-        pulls.len(),
+        attractions.len(),
         path.num_centres
     );
-    (mean, pulls.len())
+    (mean, attractions.len())
 }
 
 #[test]
@@ -119,13 +119,13 @@ fn every_length_of_path_parts_once() {
     let analysis = analyse(&mesh, &frame);
     let mut correspondent = Correspondent::default();
     let found = correspondent.find(&mesh, &frame, &analysis, &Settings::default(), &mut ());
-    let parted: f64 = found.partings.iter().map(|parting| parting.length_m).sum();
+    let parted: f64 = found.separations.iter().map(|separation| separation.length_m).sum();
     let length: f64 = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
     assert!((parted - length).abs() < 1e-9 * length, "{parted} of {length}");
-    for parting in &found.partings {
-        for point in [&parting.own, &parting.partner] {
-            assert!((point.position(&frame) - parting.position).norm() < 1e-12);
+    for separation in &found.separations {
+        for point in [&separation.own, &separation.partner] {
+            assert!((point.position(&frame) - separation.position).norm() < 1e-12);
         }
-        assert!((parting.direction.norm() - 1.0).abs() < 1e-12);
+        assert!((separation.direction.norm() - 1.0).abs() < 1e-12);
     }
 }

@@ -4,8 +4,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::{chart::Chart, lift::Lift};
 use crate::{
-    mesh::{EdgeId, FaceId, Mesh, VertexId},
-    paths::{PathPoint, PathSegment, SurfacePoint},
+    mesh::{EdgeId, Mesh, VertexId},
+    paths::{PathPoint, PathSegment, Sheet, SurfacePoint},
 };
 
 /// A path round a tube is sampled beyond both ends by this part of its length, so that the fit has no end there.
@@ -24,33 +24,6 @@ pub(crate) struct Track {
     is_turned: bool,
     crossings: Vec<(EdgeId, f64, usize)>,
     loop_vertices: Vec<VertexId>,
-}
-
-/// On which of its two places a path is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sheet {
-    /// Along the path.
-    Own,
-    /// Along the corresponding path.
-    Partner,
-}
-
-impl Sheet {
-    /// The place of a point of the path on this sheet.
-    pub(crate) fn place(self, point: &PathPoint) -> &SurfacePoint {
-        match self {
-            Self::Own => &point.own,
-            Self::Partner => &point.partner,
-        }
-    }
-
-    /// The face of a segment on this sheet.
-    pub(crate) fn face(self, segment: &PathSegment) -> FaceId {
-        match self {
-            Self::Own => segment.own,
-            Self::Partner => segment.partner,
-        }
-    }
 }
 
 impl Track {

@@ -79,13 +79,13 @@ fn paths_from_hem_to_hem_have_one_inside_which_is_its_own_image() {
     let mut correspondent = Correspondent::default();
     let found = correspondent.find(&mesh, &frame, &analysis, &Settings::default(), &mut ());
     assert_eq!(found.paths.len(), 1);
-    assert_eq!(found.pulls.len(), inside.len());
+    assert_eq!(found.attractions.len(), inside.len());
     // The other layer of the same lobe, at the same height, up to where the hems differ.
     let mut errors: Vec<f64> = found
-        .pulls
+        .attractions
         .iter()
-        .map(|pull| {
-            let (from, to) = (pull.source.position(&frame), pull.target.position(&frame));
+        .map(|attraction| {
+            let (from, to) = (attraction.source.position(&frame), attraction.target.position(&frame));
             (to.x - from.x).hypot(to.y + from.y)
         })
         .collect();

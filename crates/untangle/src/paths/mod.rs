@@ -9,6 +9,7 @@ mod classify;
 mod contact;
 mod cross;
 mod fan;
+mod sheet;
 mod trace;
 mod view;
 
@@ -21,6 +22,7 @@ use serde::Serialize;
 use crate::mesh::{EdgeId, FaceId, VertexId};
 
 pub use classify::PathFinder;
+pub(crate) use sheet::Sheet;
 
 /// Type of a pair of corresponding paths, as found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]

@@ -10,7 +10,7 @@ use super::{
     starts_pair,
 };
 use crate::{
-    analysis::StageObserver,
+    stage::StageObserver,
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},

@@ -113,12 +113,12 @@ impl Goals {
     fn part(&mut self, scene: &Scene<'_>, path: &PathCorrespondence, to_targets: bool) {
         let Scene { mesh, frame, analysis, found, orientation } = *scene;
         let gap = GAP * path.edge_length_m;
-        let partings = &found.partings[path.partings.clone()];
+        let separations = &found.separations[path.separations.clone()];
         // The side of the corresponding sheet on which the inside belongs.
         let mut side = 0.0;
-        for parting in partings {
-            if let Some(normal) = orientation.normal(mesh, frame, &parting.partner) {
-                side += parting.length_m * parting.direction.dot(&normal);
+        for separation in separations {
+            if let Some(normal) = orientation.normal(mesh, frame, &separation.partner) {
+                side += separation.length_m * separation.direction.dot(&normal);
             }
         }
         let side = if side < 0.0 { -1.0 } else { 1.0 };
@@ -126,20 +126,20 @@ impl Goals {
         let partner = analysis.paths.copies[path.copy].partner;
         let both = found.paths.binary_search_by_key(&partner, |path| path.copy).is_ok();
         let way_parts = if both { 2.0 } else { 1.0 };
-        for parting in partings {
-            self.push_pair(&parting.own, &parting.partner, parting.direction, gap, path.copy);
+        for separation in separations {
+            self.push_pair(&separation.own, &separation.partner, separation.direction, gap, path.copy);
         }
-        for pull in &found.pulls[path.pulls.clone()] {
-            let way = pull.target.position(frame) - pull.source.position(frame);
-            let Some(normal) = orientation.normal(mesh, frame, &pull.target) else { continue };
+        for attraction in &found.attractions[path.attractions.clone()] {
+            let way = attraction.target.position(frame) - attraction.source.position(frame);
+            let Some(normal) = orientation.normal(mesh, frame, &attraction.target) else { continue };
             let normal = normal * side;
             if to_targets {
                 let length = way.norm();
                 if length > 1e-9 * path.edge_length_m {
-                    self.push_pair(&pull.source, &pull.target, way / length, way_parts * length + gap, path.copy);
+                    self.push_pair(&attraction.source, &attraction.target, way / length, way_parts * length + gap, path.copy);
                 }
             } else {
-                self.push_pair(&pull.source, &pull.target, normal, normal.dot(&way) + gap, path.copy);
+                self.push_pair(&attraction.source, &attraction.target, normal, normal.dot(&way) + gap, path.copy);
             }
         }
     }

@@ -44,21 +44,21 @@ impl Displacements {
         offset_m: f64,
         two_sided: bool,
     ) {
-        for pull in &found.pulls[path.pulls.clone()] {
-            let way = pull.target.position(frame) - pull.source.position(frame);
+        for attraction in &found.attractions[path.attractions.clone()] {
+            let way = attraction.target.position(frame) - attraction.source.position(frame);
             let distance = way.norm();
             if distance > 1e-9 * path.edge_length_m {
                 let step = way * (PART_OF_WAY + 0.5 * offset_m / distance);
-                self.add(&pull.source, step, 1.0);
+                self.add(&attraction.source, step, 1.0);
                 if !two_sided {
-                    self.add(&pull.target, -step, 1.0);
+                    self.add(&attraction.target, -step, 1.0);
                 }
             }
         }
-        for parting in &found.partings[path.partings.clone()] {
-            let (step, weight) = (parting.direction * (0.5 * offset_m), parting.length_m / path.edge_length_m);
-            self.add(&parting.own, step, weight);
-            self.add(&parting.partner, -step, weight);
+        for separation in &found.separations[path.separations.clone()] {
+            let (step, weight) = (separation.direction * (0.5 * offset_m), separation.length_m / path.edge_length_m);
+            self.add(&separation.own, step, weight);
+            self.add(&separation.partner, -step, weight);
         }
     }
 

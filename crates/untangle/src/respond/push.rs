@@ -12,21 +12,12 @@ use crate::{
     correspond::{Chart, MaterialPoint},
     frame::Frame,
     mesh::{FaceId, Mesh},
-    paths::{PathPoint, PathSegment},
+    paths::{PathPoint, PathSegment, Sheet},
 };
 
 /// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two boundaries are
 /// equally far.
 const CANCELLED: f64 = 0.3;
-
-/// Which of the two sheets along a path is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Over {
-    /// The sheet of the path.
-    Own,
-    /// The sheet of the corresponding path.
-    Partner,
-}
 
 /// Finds the ways over the boundary, reusing its memory.
 #[derive(Debug, Default)]
@@ -57,12 +48,12 @@ impl BoundaryPush {
     /// where no boundary is near or the directions cancel.
     ///
     /// Cost: linear in the path, and over all paths of a frame that of one [`March`].
-    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, over: Over, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
+    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, sheet: Sheet, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
         let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
         steps.clear();
         steps.resize(segments.len(), Vector3::zeros());
         let length: f64 = points.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).sum();
-        let face_of = |segment: &PathSegment| if over == Over::Own { segment.own } else { segment.partner };
+        let face_of = |segment: &PathSegment| sheet.face(segment);
         self.chart.patch_mut().start(mesh, segments.iter().map(face_of));
         self.chart.patch_mut().grow(mesh, 1, usize::MAX);
         self.chart.build(mesh, frame)?;
@@ -71,7 +62,7 @@ impl BoundaryPush {
         let (mut mean, mut magnitude, mut depth) = (Vector2::zeros(), 0.0, 0.0);
         for (index, segment) in segments.iter().enumerate() {
             let (start, end) = (&points[index], &points[index + 1]);
-            let places = if over == Over::Own { [&start.own, &end.own] } else { [&start.partner, &end.partner] };
+            let places = [sheet.place(start), sheet.place(end)];
             let face = face_of(segment);
             let middle = MaterialPoint::middle(mesh, face, places);
             let slope = middle.and_then(|at| self.slope(mesh, frame, face, &at, farthest_m));

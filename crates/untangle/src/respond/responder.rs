@@ -8,14 +8,14 @@ use super::{
     displace::Displacements,
     flags::set_flags,
     forces::{ForceLaw, Forces, mass_at, mass_kg},
-    push::{BoundaryPush, Over, PushedPath},
+    push::{BoundaryPush, PushedPath},
 };
 use crate::{
-    analysis::{Analysis, Stage, StageObserver},
+    analysis::Analysis, stage::{Stage, StageObserver},
     correspond::{Correspondences, Correspondent, MaterialPoint, PathCorrespondence, mean_edge_length},
     frame::Frame,
     mesh::{Mesh, VertexId},
-    paths::{PathSegment, PathType},
+    paths::{PathSegment, PathType, Sheet},
     regions::starts_pair,
     settings::{Response, Settings},
 };
@@ -215,19 +215,19 @@ fn law(settings: &Settings, edge_length_m: f64) -> ForceLaw {
 /// Forces between points inside and their targets, and between the sheets along the path.
 fn follow_targets(scene: &Scene<'_>, found: &Correspondences, path: &PathCorrespondence, forces: &mut Forces) {
     let law = law(scene.settings, path.edge_length_m);
-    for pull in &found.pulls[path.pulls.clone()] {
-        let way = pull.target.position(scene.frame) - pull.source.position(scene.frame);
+    for attraction in &found.attractions[path.attractions.clone()] {
+        let way = attraction.target.position(scene.frame) - attraction.source.position(scene.frame);
         let distance = way.norm();
         // A point in its own target has no direction to go; the path beside it has.
         if distance > 1e-9 * path.edge_length_m {
-            let size = mass_at(scene.mesh, &pull.source) * law.step(distance);
-            forces.add_pair(&pull.source, &pull.target, way * (size / distance), law.largest_m);
+            let size = mass_at(scene.mesh, &attraction.source) * law.step(distance);
+            forces.add_pair(&attraction.source, &attraction.target, way * (size / distance), law.largest_m);
         }
     }
-    for parting in &found.partings[path.partings.clone()] {
-        let part = PARTING_WEIGHT * parting.length_m / path.edge_length_m;
-        let size = mass_at(scene.mesh, &parting.own) * law.step(0.0) * part;
-        forces.add_pair(&parting.own, &parting.partner, parting.direction * size, law.largest_m);
+    for separation in &found.separations[path.separations.clone()] {
+        let part = PARTING_WEIGHT * separation.length_m / path.edge_length_m;
+        let size = mass_at(scene.mesh, &separation.own) * law.step(0.0) * part;
+        forces.add_pair(&separation.own, &separation.partner, separation.direction * size, law.largest_m);
     }
 }
 
@@ -248,8 +248,8 @@ fn push(
     let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return false };
     let law = law(settings, edge_length_m);
     let path = PushedPath { mesh, frame, points, segments, law, edge_length_m };
-    let over_partner = push.steps(&path, Over::Partner, &mut steps[0]);
-    let over_own = push.steps(&path, Over::Own, &mut steps[1]);
+    let over_partner = push.steps(&path, Sheet::Partner, &mut steps[0]);
+    let over_own = push.steps(&path, Sheet::Own, &mut steps[1]);
     if over_partner.is_none() && over_own.is_none() {
         return false;
     }

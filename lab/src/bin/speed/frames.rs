@@ -3,7 +3,7 @@
 use std::{sync::Arc, time::Duration};
 
 use cpu_time::ThreadTime;
-use untangle::{analysis::{Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings, untangler::Untangler};
+use untangle::{stage::{Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings, untangler::Untangler};
 
 use crate::{
     Failure,

@@ -4,7 +4,7 @@ use std::{error::Error, sync::Arc, time::Duration};
 
 use cpu_time::ThreadTime;
 use nalgebra::{Point3, Vector3};
-use untangle::{analysis::{Stage, StageObserver}, frame::Frame, respond::Corrections, settings::Response, untangler::Untangler};
+use untangle::{stage::{Stage, StageObserver}, frame::Frame, respond::Corrections, settings::Response, untangler::Untangler};
 use untangled_publisher::{
     check::count_edge_face,
     mesh::{Cloth, to_f32},
