@@ -27,6 +27,8 @@
 pub mod predicates;
 
 pub mod mesh;
+mod sparse_map;
+
 pub mod settings;
 pub mod stage;
 

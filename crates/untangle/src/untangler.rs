@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::{
-    analysis::{Analyser, Analysis}, stage::{Stage, StageObserver},
+    analysis::{Analyser, Analysis},
     correspond::Correspondences,
     frame::Frame,
     mesh::Mesh,
     relax::CoupledStep,
     respond::{Corrections, Responder},
     settings::{Response, Settings, SettingsError},
+    stage::{Stage, StageObserver},
 };
 
 /// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give the

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
-    Correspondences, MaterialPoint, PathCorrespondence, Attraction,
+    Attraction, Correspondences, MaterialPoint, PathCorrespondence,
     centres::Centres,
     chart::Chart,
     fit::fit,
@@ -15,12 +15,13 @@ use super::{
     track::Track,
 };
 use crate::{
-    analysis::Analysis, stage::StageObserver,
+    analysis::Analysis,
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
     paths::{PathPoint, PathSegment, Sheet},
     regions::starts_pair,
     settings::Settings,
+    stage::StageObserver,
 };
 
 /// Rings of faces round a path and its region in its own chart.
@@ -179,7 +180,8 @@ impl Correspondent {
             fit(&mut self.centres, &mut self.plate, &self.track, sides, edge_length_m, is_joint, settings)?;
         // Each length of path counts once: a path that is its own partner runs over it twice, a pair with two regions comes twice.
         let share = if partner_region.is_some() && !is_joint { 0.5 } else { 1.0 };
-        let (first_pull, first_parting) = (self.correspondences.attractions.len(), self.correspondences.separations.len());
+        let (first_pull, first_parting) =
+            (self.correspondences.attractions.len(), self.correspondences.separations.len());
         let separations = &mut self.correspondences.separations;
         if let Some(Mirror { separations: of_partner, .. }) = mirror {
             part_partner(separations, of_partner);

@@ -43,6 +43,12 @@ pub(crate) fn are_mirrored(paths: &IntersectionPaths, copies: [usize; 2]) -> boo
 pub(crate) fn part_partner(separations: &mut Vec<SeparationConstraint>, of_path: Range<usize>) {
     for index in of_path {
         let SeparationConstraint { own, partner, position, direction, length_m } = separations[index];
-        separations.push(SeparationConstraint { own: partner, partner: own, position, direction: -direction, length_m });
+        separations.push(SeparationConstraint {
+            own: partner,
+            partner: own,
+            position,
+            direction: -direction,
+            length_m,
+        });
     }
 }

@@ -1,5 +1,11 @@
 //! Typed indices: a vertex can't be passed where a face is meant.
 
+/// An index of an element of a mesh, for tables that serve several kinds of them.
+pub(crate) trait MeshId: Copy + Ord {
+    /// The id as an index into a slice.
+    fn index(self) -> usize;
+}
+
 macro_rules! index_type {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
@@ -20,6 +26,13 @@ macro_rules! index_type {
             /// The id as an index into a slice.
             #[must_use]
             pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl MeshId for $name {
+            #[inline]
+            fn index(self) -> usize {
                 self.0 as usize
             }
         }

@@ -18,6 +18,7 @@ pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 
 use chart::Chart;
 pub(crate) use csr::Csr;
+pub(crate) use ids::MeshId;
 pub(crate) use topology::Topology;
 
 /// Validated connectivity of one or several pieces of cloth, and what belongs to it for good: texture coordinates, rest

@@ -10,11 +10,11 @@ use super::{
     starts_pair,
 };
 use crate::{
-    stage::StageObserver,
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
     settings::{InsideChoice, Settings},
+    stage::StageObserver,
 };
 
 /// Finds inside regions, reusing its memory from frame to frame.

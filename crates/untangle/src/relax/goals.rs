@@ -136,7 +136,13 @@ impl Goals {
             if to_targets {
                 let length = way.norm();
                 if length > 1e-9 * path.edge_length_m {
-                    self.push_pair(&attraction.source, &attraction.target, way / length, way_parts * length + gap, path.copy);
+                    self.push_pair(
+                        &attraction.source,
+                        &attraction.target,
+                        way / length,
+                        way_parts * length + gap,
+                        path.copy,
+                    );
                 }
             } else {
                 self.push_pair(&attraction.source, &attraction.target, normal, normal.dot(&way) + gap, path.copy);

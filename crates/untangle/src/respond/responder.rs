@@ -11,13 +11,14 @@ use super::{
     push::{BoundaryPush, PushedPath},
 };
 use crate::{
-    analysis::Analysis, stage::{Stage, StageObserver},
+    analysis::Analysis,
     correspond::{Correspondences, Correspondent, MaterialPoint, PathCorrespondence, mean_edge_length},
     frame::Frame,
     mesh::{Mesh, VertexId},
     paths::{PathSegment, PathType, Sheet},
     regions::starts_pair,
     settings::{Response, Settings},
+    stage::{Stage, StageObserver},
 };
 
 /// Points of a path stand for the force of this many vertices, per edge length of path. Without them regions of few vertices stay:
