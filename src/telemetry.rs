@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 
 use thiserror::Error;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::{Layer, filter::Targets, fmt, layer::SubscriberExt, registry, util::SubscriberInitExt};
 
 use crate::config::{LogFormat, Telemetry};
 
@@ -28,15 +28,12 @@ pub enum TelemetryError {
 /// # Errors
 /// [`TelemetryError`].
 pub fn init(telemetry: &Telemetry) -> Result<(), TelemetryError> {
-    let filter = EnvFilter::try_new(&telemetry.filter)
-        .map_err(|source| TelemetryError::Filter { filter: telemetry.filter.clone(), source })?;
-    let builder = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal());
+    let filter: Targets =
+        telemetry.filter.parse().map_err(|source| TelemetryError::Filter { filter: telemetry.filter.clone(), source })?;
+    let lines = fmt::layer().with_writer(std::io::stderr).with_ansi(std::io::stderr().is_terminal());
     match telemetry.format {
-        LogFormat::Text => builder.try_init(),
-        LogFormat::Json => builder.json().try_init(),
+        LogFormat::Text => registry().with(lines.with_filter(filter)).try_init(),
+        LogFormat::Json => registry().with(lines.json().with_filter(filter)).try_init(),
     }
-    .map_err(TelemetryError::Init)
+    .map_err(|error| TelemetryError::Init(Box::new(error)))
 }

@@ -5,9 +5,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use base64::{
+    Engine,
+    alphabet::STANDARD,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
 use gltf::{
     Document,
-    buffer::{Data, Source, View},
+    buffer::{Source, View},
 };
 
 use super::super::ReadErrorKind;
@@ -47,7 +52,8 @@ impl Buffers {
                     file = Some(path);
                     bytes
                 }
-                source => Data::from_source_and_blob(source, None, &mut blob)?.0,
+                Source::Uri(link) => padded(decode_data_link(link).map_err(|error| invalid(&error))?),
+                Source::Bin => padded(blob.take().ok_or_else(|| invalid("missing binary portion of binary glTF"))?),
             };
             if bytes.len() < buffer.length() {
                 return Err(ReadErrorKind::Truncated { element: format!("buffer {}", buffer.index()) });
@@ -85,6 +91,25 @@ impl Buffers {
         let bytes = self.bytes.get(view.buffer().index())?.get(start..start.checked_add(view.length())?)?;
         bytes.get(offset..offset.checked_add(length)?)
     }
+}
+
+/// The bytes of a `data:` link, whose contents are Base64, padded or not.
+fn decode_data_link(link: &str) -> Result<Vec<u8>, String> {
+    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let content = link.strip_prefix("data:").unwrap_or(link);
+    let mut parts = content.split(";base64,");
+    let media_type = parts.next().unwrap_or_default();
+    GeneralPurpose::new(&STANDARD, config).decode(parts.next().unwrap_or(media_type)).map_err(|error| error.to_string())
+}
+
+/// Writers may state a length that counts the padding of a chunk.
+fn padded(mut bytes: Vec<u8>) -> Vec<u8> {
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    bytes
+}
+
+fn invalid(reason: &str) -> ReadErrorKind {
+    ReadErrorKind::Malformed(format!("not a valid glTF document: {reason}"))
 }
 
 /// A relative link as a path; nothing if it is no text.
