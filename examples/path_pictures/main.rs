@@ -1,8 +1,8 @@
-//! The manual's pictures of intersection paths: for each type of pair a generated scene, in the world and in the parameter domain; and one
-//! with the targets of the points inside.
+//! The manual's pictures of intersection paths: for each type of pair a generated scene, in the world and in the
+//! parameter domain; and one with the targets of the points inside.
 //!
-//! Usage: `path_pictures [DIR]`, by default `docs/manual/pictures`. The same bytes come out each time. Each scene is checked: it must have
-//! exactly one pair of paths longer than 0.05 m, of the type that its picture is for.
+//! Usage: `path_pictures [DIR]`, by default `docs/manual/pictures`. The same bytes come out each time. Each scene is
+//! checked: it must have exactly one pair of paths longer than 0.05 m, of the type that its picture is for.
 
 mod marks;
 mod palette;
@@ -53,8 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     draw(&scenes::coarse_strip()?, true, &folder.join("targets.png"))
 }
 
-/// Writes a picture of the scene in the world, with a line from each point inside to its target if asked for, and one of its parameter domain,
-/// with a dot at both ends of those lines.
+/// Writes a picture of the scene in the world, with a line from each point inside to its target if asked for, and beside
+/// it one of its parameter domain, with a dot at both ends of those lines.
 fn draw(scene: &Scene, with_targets: bool, path: &Path) -> Result<(), Box<dyn Error>> {
     let (mesh, frame, analysis) = scene.analyse()?;
     let mesh = Arc::new(mesh);
@@ -83,7 +83,7 @@ fn draw(scene: &Scene, with_targets: bool, path: &Path) -> Result<(), Box<dyn Er
     Ok(())
 }
 
-/// Draws the cloth with its paths and loop vertices, and what `mark` adds to them; it is told how many pixels a metre takes.
+/// Draws the cloth with its paths and loop vertices, and what `mark` adds to them; `mark` gets the pixels per metre.
 fn picture(
     mesh: &Mesh,
     frame: &Frame,

@@ -1,7 +1,8 @@
 //! One generated scene for each type of intersection path.
 //!
-//! Folded sheets are `f(u, v) = (u^2, v, a tanh(u / a) g(u^2, v))`: the layers `u` and `-u` meet exactly where `g = 0`, and the sheet meets
-//! itself in a loop vertex where that curve reaches the crease `u = 0`. The other scenes are two sheets placed through each other.
+//! Folded sheets are `f(u, v) = (u^2, v, a tanh(u / a) g(u^2, v))`: the layers `u` and `-u` meet exactly where `g = 0`,
+//! and the sheet meets itself in a loop vertex where that curve reaches the crease `u = 0`. The other scenes are two
+//! sheets placed through each other.
 
 use std::{collections::BTreeMap, error::Error};
 
@@ -131,7 +132,7 @@ fn bump() -> Result<Scene, Box<dyn Error>> {
 
 /// A level sheet, and an upright one through it.
 fn upright(pair_type: PairType, x: [f64; 2]) -> Result<Scene, Box<dyn Error>> {
-    Scene::new(pair_type, [-0.45, 0.5]).sheet([-1.0, 1.0], [-1.0, 1.0], [29, 27], |x, y| [x, y, 0.013 * x * y])?.sheet(
+    Scene::new(pair_type, [-0.45, 0.16]).sheet([-1.0, 1.0], [-1.0, 1.0], [29, 27], |x, y| [x, y, 0.013 * x * y])?.sheet(
         x,
         [-0.4, 0.9],
         [16, 19],
@@ -141,14 +142,14 @@ fn upright(pair_type: PairType, x: [f64; 2]) -> Result<Scene, Box<dyn Error>> {
 
 /// A coarse strip that stands with its end through a level sheet: few enough vertices to see the target of each.
 pub(crate) fn coarse_strip() -> Result<Scene, Box<dyn Error>> {
-    Scene::new(PairType::BoundaryBoundaryInsideInside, [-0.45, -0.3])
+    Scene::new(PairType::BoundaryBoundaryInsideInside, [-1.0, -0.25])
         .sheet([-1.0, 1.0], [-1.0, 1.0], [13, 12], |x, y| [x, y, 0.013 * x * y])?
-        .sheet([-0.5, 0.5], [-0.45, 0.6], [6, 7], |x, z| [x, 0.07 * x + 0.2 * z, z])
+        .sheet([-0.5, 0.5], [-0.45, 0.6], [4, 7], |x, z| [x, 0.07 * x + 0.2 * z, z])
 }
 
 /// A level sheet and an upright one whose boundaries meet exactly in (1, 0.25, 0), in numbers that are exact in binary.
 fn touching(pair_type: PairType, left: f64, cells: u32) -> Result<Scene, Box<dyn Error>> {
-    Scene::new(pair_type, [-0.45, 0.5]).sheet([-1.0, 1.0], [-1.0, 1.0], [16, 16], |x, y| [x, y, 0.0])?.sheet(
+    Scene::new(pair_type, [-0.45, 0.25]).sheet([-1.0, 1.0], [-1.0, 1.0], [16, 16], |x, y| [x, y, 0.0])?.sheet(
         [left, 1.0],
         [-0.4375, 0.8125],
         [cells, 10],
