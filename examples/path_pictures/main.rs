@@ -4,6 +4,8 @@
 //! Usage: `path_pictures [DIR]`, by default `docs/manual/pictures`. The same bytes come out each time. Each scene is
 //! checked: it must have exactly one pair of paths longer than 0.05 m, of the type that its picture is for.
 
+#![allow(clippy::print_stdout, reason = "a program for the terminal")]
+
 mod marks;
 mod palette;
 mod scenes;
