@@ -47,10 +47,7 @@ pub use loan::{Loan, LoanMemory};
 pub use paths::Paths;
 pub use registration::{Registration, Uvs};
 pub use session::{Session, StepTime};
-pub use untangled_proto::{
-    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
-    paths::{PathPoint, PathRecord, path_type},
-};
+pub use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type, paths::{PathPoint, PathRecord, path_type}};
 
 /// The README's first client compiles.
 #[cfg(doctest)]

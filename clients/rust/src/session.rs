@@ -5,10 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use untangled_proto::{
-    Precision, RequestKind, names,
-    sections::{SectionWriter, id},
-};
+use untangled_proto::{Precision, RequestKind, names, sections::{SectionWriter, id}};
 
 use crate::{
     client::{RETRY, Shared},

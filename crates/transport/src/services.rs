@@ -15,12 +15,7 @@ use iceoryx2::{
 };
 
 use untangled_proto::paths::PathsHeader;
-use untangled_proto::{
-    control::{ReplyHeader, RequestHeader},
-    correction::{CorrectionHeader, VertexCorrection},
-    limits, names,
-    state::StateHeader,
-};
+use untangled_proto::{control::{ReplyHeader, RequestHeader}, correction::{CorrectionHeader, VertexCorrection}, limits, names, state::StateHeader};
 
 /// The flavour of iceoryx2 whose ports may move between threads. Peers of the other flavour can talk to it.
 pub type Ipc = ipc_threadsafe::Service;

@@ -64,6 +64,12 @@ impl Picture {
         picture
     }
 
+    /// Red, green and blue of each pixel, `height x width x 3`, rows from the top.
+    #[must_use]
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
     /// Writes the picture as PNG.
     ///
     /// # Errors

@@ -26,7 +26,20 @@ impl View {
     /// A view of all `positions`, in a picture of `width` x `height` pixels.
     #[must_use]
     pub fn of(positions: &[Point3<f64>], width: usize, height: usize) -> Self {
-        let mut view = Self { axes: axes(positions), centre: Vector3::zeros(), scale: 1.0, width, height };
+        Self::from_direction(positions, AZIMUTH, ELEVATION, width, height)
+    }
+
+    /// As [`of`](Self::of), from another direction: angle round the height of the box, and above the horizon, in radians.
+    #[must_use]
+    pub fn from_direction(
+        positions: &[Point3<f64>],
+        azimuth: f64,
+        elevation: f64,
+        width: usize,
+        height: usize,
+    ) -> Self {
+        let axes = axes(positions, azimuth, elevation);
+        let mut view = Self { axes, centre: Vector3::zeros(), scale: 1.0, width, height };
         let turned = positions.iter().map(|position| view.turn(position.coords));
         let (low, high) = bounds(turned);
         if low.x <= high.x {
@@ -37,6 +50,23 @@ impl View {
             view.scale = if fit.is_finite() { fit } else { 1.0 };
         }
         view
+    }
+
+    /// The same, drawn smaller and lower, so that so many pixels stay free at the top.
+    #[must_use]
+    pub fn below(mut self, pixels: usize) -> Self {
+        let [_, height] = self.size();
+        #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand pixels")]
+        let free = pixels.min(self.height) as f64;
+        self.scale *= 1.0 - free / height;
+        self.centre.y += if self.scale > 0.0 { free / 2.0 / self.scale } else { 0.0 };
+        self
+    }
+
+    /// How many pixels a metre across the line of sight takes.
+    #[must_use]
+    pub fn pixels_per_metre(&self) -> f64 {
+        self.scale
     }
 
     /// Pixels from left to right.
@@ -77,7 +107,7 @@ fn bounds(points: impl Iterator<Item = Vector3<f64>>) -> (Vector3<f64>, Vector3<
     points.fold(empty, |(low, high), point| (low.inf(&point), high.sup(&point)))
 }
 
-fn axes(positions: &[Point3<f64>]) -> Matrix3<f64> {
+fn axes(positions: &[Point3<f64>], azimuth: f64, elevation: f64) -> Matrix3<f64> {
     let (low, high) = bounds(positions.iter().map(|position| position.coords));
     let size = high - low;
     // The last of equals, so that z is the height where nothing speaks against it.
@@ -85,9 +115,9 @@ fn axes(positions: &[Point3<f64>]) -> Matrix3<f64> {
     let height = Vector3::ith(thinnest, 1.0);
     let east = Vector3::ith((thinnest + 1) % 3, 1.0);
     let north = height.cross(&east);
-    let ahead = north * AZIMUTH.cos() + east * AZIMUTH.sin();
+    let ahead = north * azimuth.cos() + east * azimuth.sin();
     let right = ahead.cross(&height);
-    let towards = height * ELEVATION.sin() - ahead * ELEVATION.cos();
+    let towards = height * elevation.sin() - ahead * elevation.cos();
     let up = towards.cross(&right);
     Matrix3::from_rows(&[right.transpose(), up.transpose(), towards.transpose()])
 }
