@@ -26,8 +26,8 @@ use untangled_mesh_io::{concatenate, read_mesh};
 /// Frames of each world.
 const FRAMES: usize = 3;
 
-/// The coupled response is skipped for larger meshes: a frame of them takes a minute.
-const MAX_FACES_COUPLED: usize = 80_000;
+/// Largest mesh for which slow settings are not skipped: beyond it, a frame of them can take minutes.
+const MAX_FACES_SLOW: usize = 80_000;
 
 /// Errors that may pass from a thread to another.
 type BoxedError = Box<dyn Error + Send + Sync>;
@@ -49,7 +49,8 @@ fn print_world(argument: &str, pools: &[ThreadPool]) -> Result<(), BoxedError> {
     let world = concatenate(&files)?;
     let mesh = Arc::new(Mesh::new(world.description)?);
     for (name, settings) in choices() {
-        if settings.response == Response::Coupled && mesh.num_faces() > MAX_FACES_COUPLED {
+        let is_slow = settings.response == Response::Coupled || settings.inside == InsideChoice::Work;
+        if is_slow && mesh.num_faces() > MAX_FACES_SLOW {
             println!("{argument}\t{name}\tskipped");
             continue;
         }
@@ -177,23 +178,27 @@ feed_fields! {
     LeftOut { num_pairs, length_m }
 }
 
-/// Newtypes.
-macro_rules! feed_inner {
-    ($($newtype:ident),*) => {
-        $(impl Feed for $newtype {
+/// Values that are fed as another value.
+macro_rules! feed_as {
+    ($($of:ty: $value:ident => $other:expr;)*) => {
+        $(impl Feed for $of {
             fn feed(&self, digest: &mut Digest) {
-                self.0.feed(digest);
+                let $value = self;
+                $other.feed(digest);
             }
         })*
     };
 }
 
-feed_inner!(VertexId, FaceId, EdgeId, VertexFlags);
-
-impl Feed for bool {
-    fn feed(&self, digest: &mut Digest) {
-        u8::from(*self).feed(digest);
-    }
+feed_as! {
+    VertexId: id => id.0;
+    FaceId: id => id.0;
+    EdgeId: id => id.0;
+    VertexFlags: flags => flags.0;
+    bool: value => u8::from(*value);
+    Range<usize>: range => [range.start, range.end];
+    Point3<f64>: point => <[f64; 3]>::from(*point);
+    Vector3<f64>: vector => <[f64; 3]>::from(*vector);
 }
 
 impl<T: Feed> Feed for [T] {
@@ -218,24 +223,6 @@ impl<T: Feed, const N: usize> Feed for [T; N] {
 impl<T: Feed> Feed for Option<T> {
     fn feed(&self, digest: &mut Digest) {
         self.as_slice().feed(digest);
-    }
-}
-
-impl Feed for Range<usize> {
-    fn feed(&self, digest: &mut Digest) {
-        [self.start, self.end].feed(digest);
-    }
-}
-
-impl Feed for Point3<f64> {
-    fn feed(&self, digest: &mut Digest) {
-        <[f64; 3]>::from(*self).feed(digest);
-    }
-}
-
-impl Feed for Vector3<f64> {
-    fn feed(&self, digest: &mut Digest) {
-        <[f64; 3]>::from(*self).feed(digest);
     }
 }
 
