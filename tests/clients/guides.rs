@@ -1,22 +1,16 @@
 //! The programs in `clients/INTEGRATE.md`, as they are printed there, against a real daemon.
-#![cfg(feature = "daemon")]
-#![allow(clippy::unwrap_used, reason = "a test")]
-
-#[path = "support/daemon.rs"]
-mod daemon;
-#[path = "support/hosts.rs"]
-mod hosts;
-#[path = "support/python.rs"]
-mod python;
 
 use std::{fs, process::Command};
 
-use daemon::{Daemon, TestDomain};
-use hosts::{has, libraries, root, run, scratch};
+use untangled_testkit::{
+    files::repository,
+    hosts::{self, has, libraries, run, scratch},
+    process::{Daemon, TestDomain, this_test},
+};
 
 /// The one program of a language in the page.
 fn program(language: &str) -> String {
-    let page = fs::read_to_string(root().join("clients/INTEGRATE.md")).unwrap();
+    let page = fs::read_to_string(repository().join("clients/INTEGRATE.md")).unwrap();
     let fence = format!("```{language}\n");
     let mut blocks = page.split(&fence).skip(1).map(|rest| rest.split("```\n").next().unwrap());
     let block = blocks.next().unwrap().to_owned();
@@ -42,25 +36,24 @@ fn untangles(command: &mut Command) {
 /// The Rust program: what stands in the page is this file, which cargo compiles with this test.
 #[allow(clippy::print_stdout, clippy::cast_possible_truncation, reason = "a page shows what matters there")]
 mod integrate {
-    include!("guides/integrate.rs");
+    include!("programs/integrate.rs");
 
     #[test]
-    #[ignore = "run by the test `rust`, in a process of its own"]
-    fn as_printed() {
+    #[ignore = "run by another test, in a process of its own"]
+    fn guide_program_in_a_process_of_its_own() {
         main().unwrap();
     }
 }
 
 #[test]
-fn rust() {
-    let file = fs::read_to_string(root().join("tests/guides/integrate.rs")).unwrap();
-    assert!(program("rust") == file, "tests/guides/integrate.rs and clients/INTEGRATE.md differ");
-    let mut again = Command::new(std::env::current_exe().unwrap());
-    untangles(again.args(["--ignored", "--exact", "--nocapture", "integrate::as_printed"]));
+fn rust_program_of_the_guide_untangles() {
+    let file = fs::read_to_string(repository().join("tests/clients/programs/integrate.rs")).unwrap();
+    assert!(program("rust") == file, "tests/clients/programs/integrate.rs and clients/INTEGRATE.md differ");
+    untangles(&mut this_test(module_path!(), "integrate::guide_program_in_a_process_of_its_own"));
 }
 
 #[test]
-fn cpp() {
+fn cpp_program_of_the_guide_untangles() {
     if !has("g++", "the C++ program of the guide") {
         return;
     }
@@ -69,14 +62,14 @@ fn cpp() {
     fs::write(&source, program("cpp")).unwrap();
     let mut compile = Command::new("g++");
     compile.args(["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&built).arg(&source);
-    compile.arg("-I").arg(root().join("clients/c")).arg("-L").arg(libraries()).arg("-luntangled_client");
+    compile.arg("-I").arg(repository().join("clients/c")).arg("-L").arg(libraries()).arg("-luntangled_client");
     run(compile.arg(format!("-Wl,-rpath,{}", libraries().display())));
     untangles(&mut Command::new(built));
 }
 
 #[test]
-fn python() {
-    let Some(mut command) = python::command("the Python program of the guide") else { return };
+fn python_program_of_the_guide_untangles() {
+    let Some(mut command) = hosts::python::command("the Python program of the guide") else { return };
     let source = scratch("guide").join("host.py");
     fs::write(&source, program("python")).unwrap();
     untangles(command.arg(source));

@@ -1,17 +1,16 @@
 //! `untangled check` as a user or a script runs it.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Command, Output},
 };
 
 use serde_json::Value;
+use untangled_testkit::{files::shared, process::untangled};
 
 fn check(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_untangled")).arg("check").args(arguments).current_dir(folder).output().unwrap()
+    Command::new(untangled()).arg("check").args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn code(output: &Output) -> i32 {
@@ -46,7 +45,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
-fn one_clean_file() {
+fn check_of_a_clean_file_exits_0_and_reports_counts() {
     let folder = folder();
     let output = check(&["square.obj"], folder.path());
     assert_eq!(code(&output), 0);
@@ -62,7 +61,7 @@ fn one_clean_file() {
 }
 
 #[test]
-fn several_files_are_one_world() {
+fn check_of_several_files_takes_them_as_one_mesh() {
     let folder = folder();
     let output = check(&["square.obj", "spike.obj", "far.ply", "--json", "--face-pairs"], folder.path());
     assert_eq!(code(&output), 1);
@@ -82,7 +81,7 @@ fn several_files_are_one_world() {
 }
 
 #[test]
-fn bad_input_is_one_line_that_names_it() {
+fn check_of_bad_input_exits_2_with_one_line_that_names_it() {
     let folder = folder();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("short.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 900\n");
@@ -111,7 +110,7 @@ fn bad_input_is_one_line_that_names_it() {
 }
 
 #[test]
-fn contours_are_lines_and_never_overwrite_an_input() {
+fn check_contours_writes_lines_and_never_an_input() {
     let folder = folder();
     let files = ["square.obj", "spike.obj"];
     for name in ["lines.obj", "lines.ply"] {
@@ -129,12 +128,8 @@ fn contours_are_lines_and_never_overwrite_an_input() {
 }
 
 #[test]
-fn known_counts_of_real_garments() {
-    let data: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !data.is_dir() {
-        println!("skipped: {} is not there", data.display());
-        return;
-    }
+fn check_of_real_garments_finds_the_known_counts() {
+    let Some(data) = shared("data") else { return };
     for (name, pairs, exit) in [("tshirt_trifold_3k7.obj", 117, 1), ("unisex_shirt_12k7.obj", 0, 0)] {
         let output = check(&[name, "--json"], &data);
         assert_eq!((&json(&output)["num_face_pairs"], code(&output)), (&pairs.into(), exit), "{name}");

@@ -1,9 +1,5 @@
 //! `untangled check` on every kind of input in every format: one mesh, one answer.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::{
     fs,
     os::unix::ffi::OsStrExt,
@@ -12,15 +8,17 @@ use std::{
 };
 
 use serde_json::Value;
-use support::{
-    degenerate,
-    files::{self, exact, rounded},
-    scene::Scene,
-    sheet::Sheet,
+use untangled_testkit::{
+    files::{
+        formats::{self, exact, rounded},
+        shared,
+    },
+    generate::{Sheet, degenerate},
+    process::untangled,
 };
 
 fn check_all(files: &[&Path]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_untangled"));
+    let mut command = Command::new(untangled());
     command.arg("check").args(files).args(["--json", "--face-pairs"]).output().unwrap()
 }
 
@@ -80,52 +78,66 @@ fn assert_contract(report: &Value) {
     assert!(by_type.values().all(|number| count(number) > 0));
     assert_eq!(by_type.values().map(count).sum::<u64>(), paths.len() as u64);
     for path in paths {
-        let pair_type = path["pair_type"].as_str().unwrap();
-        assert!(by_type.contains_key(pair_type), "{pair_type}");
-        let copies = path["copies"].as_array().unwrap();
-        let types: Vec<&str> = copies.iter().map(|copy| copy["type"].as_str().unwrap()).collect();
-        let expected: &[&[&str]] = match pair_type {
-            // On cloth with one side only the two may be one.
-            "CLOSED/CLOSED" => &[&["CLOSED", "CLOSED"], &["CLOSED"]],
-            "EIGHT" => &[&["CLOSED", "CLOSED"]],
-            "LL" => &[&["LL"]],
-            "BLI" => &[&["BLI"]],
-            "BLB" => &[&["BLB"]],
-            "BLLB" => &[&["BLI", "BLI"], &["BLB", "BLB"], &["BLI", "BLB"], &["BLB", "BLI"]],
-            "CROSS" | "BB/II" => &[&["BB", "II"]],
-            "BB/BI" => &[&["BB", "BI"]],
-            "BB/BB" => &[&["BB", "BB"]],
-            "BI/BI" => &[&["BI", "BI"]],
-            other => panic!("unknown type {other}"),
-        };
-        assert!(expected.contains(&types.as_slice()), "{pair_type}: {types:?}");
-        let is_folded = copies.len() == 1 || pair_type == "BLLB";
-        let run: u64 = copies.iter().map(|copy| count(&copy["num_segments"])).sum();
-        assert_eq!(run, 2 * count(&path["num_segments"]), "each segment is run through twice");
-        assert!(is_folded || copies.iter().all(|copy| copy["num_segments"] == path["num_segments"]));
-        for copy in copies {
-            let has_region = !["II", "BI"].contains(&copy["type"].as_str().unwrap());
-            assert_eq!(copy["inside_vertices"].is_null(), !has_region);
-            if has_region {
-                let inside = indices(&copy["inside_vertices"]);
-                assert!(inside.windows(2).all(|pair| pair[0] < pair[1]) && inside.iter().all(|&v| v < num_vertices));
-                assert!(indices(&path["loop_vertices"]).iter().all(|vertex| !inside.contains(vertex)));
-                assert!(inside.is_empty() || copy["partitioning"] == true);
-            }
+        assert!(by_type.contains_key(path["pair_type"].as_str().unwrap()), "{path}");
+        assert_copies(path, num_vertices);
+        assert_ends(path, count(&report["num_faces"]));
+    }
+}
+
+/// The types of copies that each type of pair has.
+fn copy_types(pair_type: &str) -> &'static [&'static [&'static str]] {
+    match pair_type {
+        // On cloth with one side only the two may be one.
+        "CLOSED/CLOSED" => &[&["CLOSED", "CLOSED"], &["CLOSED"]],
+        "EIGHT" => &[&["CLOSED", "CLOSED"]],
+        "LL" => &[&["LL"]],
+        "BLI" => &[&["BLI"]],
+        "BLB" => &[&["BLB"]],
+        "BLLB" => &[&["BLI", "BLI"], &["BLB", "BLB"], &["BLI", "BLB"], &["BLB", "BLI"]],
+        "CROSS" | "BB/II" => &[&["BB", "II"]],
+        "BB/BI" => &[&["BB", "BI"]],
+        "BB/BB" => &[&["BB", "BB"]],
+        "BI/BI" => &[&["BI", "BI"]],
+        other => panic!("unknown type {other}"),
+    }
+}
+
+/// What the fields of a pair's copies promise.
+fn assert_copies(path: &Value, num_vertices: u64) {
+    let pair_type = path["pair_type"].as_str().unwrap();
+    let copies = path["copies"].as_array().unwrap();
+    let types: Vec<&str> = copies.iter().map(|copy| copy["type"].as_str().unwrap()).collect();
+    assert!(copy_types(pair_type).contains(&types.as_slice()), "{pair_type}: {types:?}");
+    let is_folded = copies.len() == 1 || pair_type == "BLLB";
+    let run: u64 = copies.iter().map(|copy| count(&copy["num_segments"])).sum();
+    assert_eq!(run, 2 * count(&path["num_segments"]), "each segment is run through twice");
+    assert!(is_folded || copies.iter().all(|copy| copy["num_segments"] == path["num_segments"]));
+    for copy in copies {
+        let has_region = !["II", "BI"].contains(&copy["type"].as_str().unwrap());
+        assert_eq!(copy["inside_vertices"].is_null(), !has_region);
+        if has_region {
+            let inside = indices(&copy["inside_vertices"]);
+            assert!(inside.windows(2).all(|pair| pair[0] < pair[1]) && inside.iter().all(|&v| v < num_vertices));
+            assert!(indices(&path["loop_vertices"]).iter().all(|vertex| !inside.contains(vertex)));
+            assert!(inside.is_empty() || copy["partitioning"] == true);
         }
-        let is_closed = path["closed"].as_bool().unwrap();
-        assert!(path["length_m"].as_f64().unwrap() >= 0.0);
-        let ends = path["ends"].as_array().unwrap();
-        assert_eq!(ends.len(), if is_closed { 0 } else { 2 });
-        for end in ends {
-            match end["kind"].as_str().unwrap() {
-                "loop" => assert!(indices(&path["loop_vertices"]).contains(&count(&end["vertex"]))),
-                "boundary" | "junction" => {
-                    assert_eq!(indices(&end["edge"]).len(), 2);
-                    assert!(count(&end["face"]) < count(&report["num_faces"]));
-                }
-                other => panic!("unknown kind of end {other}"),
+    }
+}
+
+/// What the fields of a pair's ends promise.
+fn assert_ends(path: &Value, num_faces: u64) {
+    let is_closed = path["closed"].as_bool().unwrap();
+    assert!(path["length_m"].as_f64().unwrap() >= 0.0);
+    let ends = path["ends"].as_array().unwrap();
+    assert_eq!(ends.len(), if is_closed { 0 } else { 2 });
+    for end in ends {
+        match end["kind"].as_str().unwrap() {
+            "loop" => assert!(indices(&path["loop_vertices"]).contains(&count(&end["vertex"]))),
+            "boundary" | "junction" => {
+                assert_eq!(indices(&end["edge"]).len(), 2);
+                assert!(count(&end["face"]) < num_faces);
             }
+            other => panic!("unknown kind of end {other}"),
         }
     }
 }
@@ -146,16 +158,16 @@ fn check_all_formats(folder: &Path, name: &str, sheet: &Sheet) {
     if single.positions.iter().flatten().any(|x| !x.is_finite()) {
         return;
     }
-    let expected = report(&write("single.obj", &files::obj(&single, false)));
-    assert_eq!(report(&write("single.glb", &files::glb(&single))), expected, "{name}");
+    let expected = report(&write("single.obj", &formats::obj(&single, false)));
+    assert_eq!(report(&write("single.glb", &formats::glb(&single))), expected, "{name}");
     let address = format!("{name}_single.bin");
-    let (document, buffer) = files::gltf(&single, &address);
+    let (document, buffer) = formats::gltf(&single, &address);
     write("single.bin", &buffer);
     assert_eq!(report(&write("single.gltf", &document)), expected, "{name}");
 }
 
 #[test]
-fn every_degenerate_kind_has_one_answer_in_every_format() {
+fn check_of_degenerate_sheets_is_the_same_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     for (name, sheet) in degenerate::all() {
         check_all_formats(folder.path(), name, &sheet);
@@ -163,13 +175,13 @@ fn every_degenerate_kind_has_one_answer_in_every_format() {
 }
 
 #[test]
-fn what_is_no_number_is_refused_in_every_format() {
+fn check_of_non_finite_coordinates_is_refused_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let (_, mut sheet) = degenerate::all().swap_remove(0);
     for bad in [f64::NAN, f64::INFINITY] {
         sheet.positions[7][1] = bad;
         let mut contents = exact(&sheet);
-        contents.push(("single.glb", files::glb(&sheet)));
+        contents.push(("single.glb", formats::glb(&sheet)));
         for (end, content) in contents {
             let path = folder.path().join(end);
             fs::write(&path, content).unwrap();
@@ -192,14 +204,14 @@ fn what_is_no_number_is_refused_in_every_format() {
     }
 }
 
-/// Cloth with texture coordinates beside a body without: the disc of a folded path is measured in those of the cloth all the same.
+/// Cloth with texture coordinates beside a body without: the disc of a folded path is measured in those of the cloth
+/// all the same.
 #[test]
-fn texture_coordinates_count_for_the_files_that_have_them() {
+fn check_of_files_with_and_without_texture_coordinates_uses_them_where_given() {
     let folder = tempfile::tempdir().unwrap();
-    let mut scene = Scene::fold([-1.0, 0.8], [40, 31], |x, v| v - 0.65 - 0.1 * x);
+    let mut cloth = Sheet::fold([-1.0, 0.8], [40, 31], |x, v| v - 0.65 - 0.1 * x);
     // Far from the lengths of the cloth.
-    scene.uvs.iter_mut().for_each(|[u, _]| *u *= 0.3);
-    let cloth = Sheet { faces: scene.faces, uvs: scene.uvs, positions: scene.positions };
+    cloth.uvs.iter_mut().for_each(|[u, _]| *u *= 0.3);
     let body = Sheet {
         faces: vec![[0, 1, 2]],
         uvs: vec![[0.0; 2]; 3],
@@ -211,8 +223,8 @@ fn texture_coordinates_count_for_the_files_that_have_them() {
         path
     };
     let (with, without) =
-        (write("with.obj", &files::obj_with_uvs(&cloth)), write("without.obj", &files::obj(&cloth, false)));
-    let body = write("body.obj", &files::obj(&body, false));
+        (write("with.obj", &formats::obj_with_uvs(&cloth)), write("without.obj", &formats::obj(&cloth, false)));
+    let body = write("body.obj", &formats::obj(&body, false));
     let inside = |files: &[&Path]| {
         let report: Value = serde_json::from_slice(&check_all(files).stdout).unwrap();
         assert_eq!(report["path_pairs"], serde_json::json!({"BLI": 1}));
@@ -226,25 +238,16 @@ fn texture_coordinates_count_for_the_files_that_have_them() {
 }
 
 #[test]
-fn names_of_any_bytes_are_read() {
+fn check_of_file_names_that_are_no_text_reads_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(std::ffi::OsStr::from_bytes(b"caf\xe9 \xff.obj"));
-    fs::write(&path, files::obj(&degenerate::all().swap_remove(0).1, false)).unwrap();
+    fs::write(&path, formats::obj(&degenerate::all().swap_remove(0).1, false)).unwrap();
     report(&path);
     assert!(refusal(&path.with_extension("ply")).contains("can't be read"));
 }
 
-fn shared(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder);
-    if !path.is_dir() {
-        eprintln!("skipped: {} is not there", path.display());
-        return None;
-    }
-    Some(path)
-}
-
 #[test]
-fn shared_scenes_keep_the_contract_and_degenerate_ones_have_one_answer_in_every_format() {
+fn check_of_shared_scenes_keeps_the_report_contract_in_every_format() {
     let temporary = tempfile::tempdir().unwrap();
     for folder in ["scenes", "scenes/units"] {
         let Some(folder) = shared(folder) else { return };

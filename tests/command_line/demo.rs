@@ -3,11 +3,12 @@
 use std::{fs, process::Command};
 
 use untangled_publisher::{check::count_edge_face, obj};
+use untangled_testkit::process::untangled;
 
 #[test]
-fn the_demonstration_ends_clean_and_leaves_its_files() {
+fn demo_ends_clean_and_writes_its_files() {
     let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_untangled"))
+    let output = Command::new(untangled())
         .args(["demo", "--frames", "100", "--out"])
         .arg(folder.path())
         .args(["--", "--scene", "crease", "--edge-m", "0.04"])
@@ -26,7 +27,7 @@ fn the_demonstration_ends_clean_and_leaves_its_files() {
 
 /// Each type of path, by daemon and host, with the control that shows that nothing falls out of its tangle by itself.
 #[test]
-fn every_type_of_path_comes_clean() {
+fn demo_of_each_path_type_ends_clean() {
     for (scene, path_type) in [
         ("bag", "CLOSED"),
         ("tongue", "BB/II"),
@@ -37,7 +38,7 @@ fn every_type_of_path_comes_clean() {
         ("wedge", "CROSS"),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_untangled"))
+        let output = Command::new(untangled())
             .args(["demo", "--frames", "100", "--out"])
             .arg(folder.path())
             .args(["--", "--edge-m", "0.04", "--scene", scene])
@@ -53,15 +54,11 @@ fn every_type_of_path_comes_clean() {
 }
 
 #[test]
-fn a_file_that_is_no_mesh_is_one_clear_error() {
+fn demo_of_a_file_that_is_no_mesh_is_refused_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("broken.obj");
     fs::write(&file, "v 0 0 0\nf 1 2 3\n").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_untangled"))
-        .args(["demo", "--out"])
-        .args([folder.path(), &file])
-        .output()
-        .unwrap();
+    let output = Command::new(untangled()).args(["demo", "--out"]).args([folder.path(), &file]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("broken.obj:2: "), "{said}");

@@ -1,18 +1,9 @@
-//! The fuzz targets, a fixed number of inputs each. More of them: `cargo run --release --example soak -- fuzz-ingest fuzz-register
-//! fuzz-settings fuzz-mesh-file`, with `--seed` for other ones.
+//! The fuzz targets, a fixed number of inputs each.
+//!
+//! More of them: `cargo run --release -p untangled-lab --bin soak -- fuzz-ingest fuzz-register fuzz-settings
+//! fuzz-mesh-file`, with `--seed` for other ones.
 
-#![allow(
-    dead_code,
-    unreachable_pub,
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    reason = "shared with a program for developers, whose numbers are small"
-)]
-
-#[path = "../examples/soak/fuzz.rs"]
-mod fuzz;
-
-use fuzz::{Target, run};
+use untangled_testkit::fuzz::{Target, run};
 
 /// Some inputs must get through, or the target shows nothing.
 fn assert_no_find(target: Target, count: u64) {
@@ -23,21 +14,21 @@ fn assert_no_find(target: Target, count: u64) {
 }
 
 #[test]
-fn ingest() {
+fn ingest_of_damaged_frames_never_panics() {
     assert_no_find(Target::Ingest, 4_000);
 }
 
 #[test]
-fn register() {
+fn register_of_damaged_requests_never_panics() {
     assert_no_find(Target::Register, 1_000);
 }
 
 #[test]
-fn settings() {
+fn settings_of_damaged_documents_never_panic() {
     assert_no_find(Target::Settings, 1_000);
 }
 
 #[test]
-fn mesh_files() {
+fn reading_damaged_mesh_files_never_panics() {
     assert_no_find(Target::MeshFile, 4_000);
 }

@@ -1,16 +1,14 @@
-//! A client from the first day of protocol 1, against today's daemon. Nothing here uses `untangled_proto`: structs, names and numbers are
-//! those that were released, and stay as they are whatever becomes of that crate. A daemon that this test fails against needs a new
-//! protocol version; a version that is no longer served turns the exchange below into a refusal.
+//! A frozen client of protocol 1 against the daemon of this build.
+//!
+//! Nothing here uses `untangled_proto`: structs, names and numbers are those of the first release, and must not change
+//! with that crate. A daemon that this test fails against needs a new version of the protocol; a version that is no
+//! longer served turns the exchange below into a refusal.
 
-#![allow(clippy::unwrap_used, reason = "what goes wrong fails a test")]
-
-#[path = "support/daemon.rs"]
-mod support;
-
-use iceoryx2::prelude::{
-    Alignment, EventId, Node, NodeBuilder, ServiceName, SignalHandlingMode, ZeroCopySend, ipc_threadsafe,
+use iceoryx2::{
+    port::{publisher::Publisher, subscriber::Subscriber},
+    prelude::{Alignment, EventId, Node, NodeBuilder, ServiceName, SignalHandlingMode, ZeroCopySend, ipc_threadsafe},
 };
-use support::{Daemon, TestDomain, eventually};
+use untangled_testkit::process::{Daemon, TestDomain, eventually};
 
 type Ipc = ipc_threadsafe::Service;
 
@@ -154,8 +152,61 @@ fn node(domain: &TestDomain) -> Node<Ipc> {
 const POSITIONS: [[f32; 3]; 6] =
     [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.5, 1.0, 2.0], [1.5, 1.0, 2.0], [1.0, 1.1, -1.0]];
 
+/// The ports of a session of 6 vertices.
+fn session_ports(
+    node: &Node<Ipc>,
+    reply: &ReplyHeader,
+) -> (Publisher<Ipc, [PositionF32], StateHeader>, Subscriber<Ipc, [VertexCorrection], CorrectionHeader>) {
+    let service = |last: &str| name(&format!("untangled/{:016x}/{}/{last}", reply.instance, reply.session));
+    let states = node
+        .service_builder(&service("state"))
+        .publish_subscribe::<[PositionF32]>()
+        .user_header::<StateHeader>()
+        .payload_alignment(Alignment::new(64).unwrap())
+        .open()
+        .unwrap();
+    let states = states.publisher_builder().initial_max_slice_len(6).max_loaned_samples(1).create().unwrap();
+    let corrections = node
+        .service_builder(&service("correction"))
+        .publish_subscribe::<[VertexCorrection]>()
+        .user_header::<CorrectionHeader>()
+        .payload_alignment(Alignment::new(64).unwrap())
+        .open()
+        .unwrap();
+    (states, corrections.subscriber_builder().create().unwrap())
+}
+
+/// Sends a frame and checks its correction.
+fn exchange_frame(
+    node: &Node<Ipc>,
+    states: &Publisher<Ipc, [PositionF32], StateHeader>,
+    corrections: &Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
+    frame: u64,
+) {
+    let mut sample = states.loan_slice_uninit(6).unwrap();
+    *sample.user_header_mut() =
+        StateHeader { frame, simulated_s: 0.5, dt_s: 0.01, num_vertices: 6, ..StateHeader::default() };
+    sample.write_from_fn(|vertex| PositionF32(POSITIONS[vertex])).send().unwrap();
+    wake(node, 2);
+    let mut correction = None;
+    eventually("a correction", || {
+        correction = corrections.receive().unwrap();
+        correction.is_some()
+    });
+    let correction = correction.unwrap();
+    let header = correction.user_header();
+    assert_eq!((header.frame, header.status, header.kind, header.num_vertices), (frame, 0, 3, 6));
+    assert_eq!((header.num_face_pairs, header.num_inside, header.flags), (1, 1, 0));
+    assert_eq!((header.dt_s, header.simulated_s), (0.01, 0.5));
+    assert!(header.stage_ns[7] > 0 && header.num_pairs.iter().sum::<u32>() == 1);
+    // Whoever asks for nothing new gets nothing new: reserved space that has got a meaning still reads as it did.
+    assert_eq!(header.reserved, [0; 5]);
+    assert_eq!(correction.payload().len(), 6);
+    assert_eq!(correction.payload()[5].flags & 3, 3, "inside, and near the path");
+}
+
 #[test]
-fn a_client_of_the_first_day_is_served() {
+fn client_of_protocol_1_is_served() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let node = node(&domain);
@@ -180,44 +231,9 @@ fn a_client_of_the_first_day_is_served() {
     let (payload, num_sections) = sections(&[(9, br#"{"stiffness_per_step2": 0.25}"#.to_vec())]);
     ask(UPDATE_SETTINGS, reply.session, &payload, num_sections);
 
-    let service = |last: &str| name(&format!("untangled/{:016x}/{}/{last}", reply.instance, reply.session));
-    let states = node
-        .service_builder(&service("state"))
-        .publish_subscribe::<[PositionF32]>()
-        .user_header::<StateHeader>()
-        .payload_alignment(Alignment::new(64).unwrap())
-        .open()
-        .unwrap();
-    let states = states.publisher_builder().initial_max_slice_len(6).max_loaned_samples(1).create().unwrap();
-    let corrections = node
-        .service_builder(&service("correction"))
-        .publish_subscribe::<[VertexCorrection]>()
-        .user_header::<CorrectionHeader>()
-        .payload_alignment(Alignment::new(64).unwrap())
-        .open()
-        .unwrap();
-    let corrections = corrections.subscriber_builder().create().unwrap();
+    let (states, corrections) = session_ports(&node, &reply);
     for frame in 1..=3 {
-        let mut sample = states.loan_slice_uninit(6).unwrap();
-        *sample.user_header_mut() =
-            StateHeader { frame, simulated_s: 0.5, dt_s: 0.01, num_vertices: 6, ..StateHeader::default() };
-        sample.write_from_fn(|vertex| PositionF32(POSITIONS[vertex])).send().unwrap();
-        wake(&node, 2);
-        let mut correction = None;
-        eventually("a correction", || {
-            correction = corrections.receive().unwrap();
-            correction.is_some()
-        });
-        let correction = correction.unwrap();
-        let header = correction.user_header();
-        assert_eq!((header.frame, header.status, header.kind, header.num_vertices), (frame, 0, 3, 6));
-        assert_eq!((header.num_face_pairs, header.num_inside, header.flags), (1, 1, 0));
-        assert_eq!((header.dt_s, header.simulated_s), (0.01, 0.5));
-        assert!(header.stage_ns[7] > 0 && header.num_pairs.iter().sum::<u32>() == 1);
-        // Whoever asks for nothing new gets nothing new: reserved space that has got a meaning still reads as it did.
-        assert_eq!(header.reserved, [0; 5]);
-        assert_eq!(correction.payload().len(), 6);
-        assert_eq!(correction.payload()[5].flags & 3, 3, "inside, and near the path");
+        exchange_frame(&node, &states, &corrections, frame);
     }
     let status: serde_json::Value = serde_json::from_str(&ask(STATUS, 0, &[], 0).1).unwrap();
     assert_eq!((&status["schema"], &status["sessions"][0]["num_frames"]), (&"untangled.status/1".into(), &3.into()));
@@ -225,7 +241,7 @@ fn a_client_of_the_first_day_is_served() {
 }
 
 #[test]
-fn clients_of_other_days_are_refused_in_words() {
+fn client_of_another_protocol_is_refused_in_words() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let node = node(&domain);
@@ -240,7 +256,7 @@ fn clients_of_other_days_are_refused_in_words() {
 }
 
 #[test]
-fn what_a_newer_client_may_add_is_ignored() {
+fn request_with_unknown_additions_is_accepted() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let node = node(&domain);

@@ -1,10 +1,5 @@
 //! Watching a daemon: status, metrics, logs, and what systemd hears.
 
-#![allow(clippy::unwrap_used, reason = "what goes wrong fails a test")]
-
-#[path = "support/daemon.rs"]
-mod support;
-
 use std::{
     io::{BufRead, BufReader, Read, Write},
     net::TcpStream,
@@ -12,11 +7,13 @@ use std::{
     process::{Child, Command, Stdio},
 };
 
-use rustix::process::{Signal, kill_process};
+use rustix::process::Signal;
 use serde_json::Value;
-use support::{DEADLINE, Daemon, STEP, TestDomain, command, fill_flat, request, sheet};
 use untangled_client::StepTime;
-use untangled_proto::{PROTOCOL_VERSION, RequestHeader, Status};
+use untangled_proto::Status;
+use untangled_testkit::process::{
+    Daemon, PATIENCE, RawPeer, STEP, TestDomain, fill_flat, header, send_signal, serve, sheet, untangled,
+};
 
 /// A daemon whose log is kept.
 struct Logging {
@@ -38,7 +35,7 @@ impl Logging {
 
     /// Ends the daemon and returns the rest of its log.
     fn stop(mut self) -> Vec<String> {
-        kill_process(support::pid(&self.child), Signal::TERM).unwrap();
+        send_signal(&self.child, Signal::TERM);
         let rest = self.lines.by_ref().collect();
         assert!(self.child.wait().unwrap().success());
         rest
@@ -61,17 +58,17 @@ fn http(address: &str, request: &str) -> String {
 }
 
 #[test]
-fn metrics_are_prometheus_text() {
+fn metrics_of_a_session_are_prometheus_text() {
     let domain = TestDomain::new();
-    let mut serve = command(&domain);
+    let mut serve = serve(&domain);
     serve.args(["--metrics", "127.0.0.1:0"]);
     let mut daemon = Logging::start(serve);
     let line = daemon.wait_for("metrics at http://");
     let address = line.split("http://").nth(1).unwrap().split('/').next().unwrap().to_owned();
     daemon.wait_for("ready");
     let mut session = domain.connect().register(sheet(4)).unwrap();
-    (0..3).for_each(|_| drop(session.exchange(STEP, DEADLINE, fill_flat).unwrap()));
-    session.exchange(StepTime { dt_s: -1.0, ..STEP }, DEADLINE, fill_flat).unwrap_err();
+    (0..3).for_each(|_| drop(session.exchange(STEP, PATIENCE, fill_flat).unwrap()));
+    session.exchange(StepTime { dt_s: -1.0, ..STEP }, PATIENCE, fill_flat).unwrap_err();
     let answer = http(&address, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
     let (head, body) = answer.split_once("\r\n\r\n").unwrap();
     assert!(head.starts_with("HTTP/1.1 200") && head.contains("version=0.0.4"), "{head}");
@@ -94,26 +91,26 @@ fn metrics_are_prometheus_text() {
     assert!(http(&address, "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
     // Somebody who says nothing keeps others out for a second, and frames not at all.
     let _silent = TcpStream::connect(&address).unwrap();
-    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    session.exchange(STEP, PATIENCE, fill_flat).unwrap();
     assert!(http(&address, "GET / HTTP/1.0\r\n\r\n").starts_with("HTTP/1.1 200"));
     drop(session);
     daemon.stop();
 }
 
 #[test]
-fn metrics_are_not_for_other_machines() {
+fn metrics_on_a_public_address_are_refused() {
     let domain = TestDomain::new();
-    let output = command(&domain).args(["--metrics", "0.0.0.0:0"]).output().unwrap();
+    let output = serve(&domain).args(["--metrics", "0.0.0.0:0"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8(output.stderr).unwrap().contains("0.0.0.0:0"));
 }
 
 #[test]
-fn status_goes_on_until_the_daemon_ends() {
+fn status_watch_repeats_until_the_daemon_ends() {
     let domain = TestDomain::new();
     let daemon = Daemon::start(&domain);
     let mut session = domain.connect().register(sheet(4)).unwrap();
-    let mut watching = Command::new(env!("CARGO_BIN_EXE_untangled"))
+    let mut watching = Command::new(untangled())
         .args(["status", "--domain", domain.name(), "--json", "--watch", "0.1"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -126,23 +123,23 @@ fn status_goes_on_until_the_daemon_ends() {
         report["num_frames"].as_u64().unwrap()
     };
     assert_eq!(frames(), 0);
-    session.exchange(STEP, DEADLINE, fill_flat).unwrap();
+    session.exchange(STEP, PATIENCE, fill_flat).unwrap();
     while frames() == 0 {}
     drop(session);
     assert!(daemon.stop(Signal::TERM).success());
     while lines.next().is_some() {}
     assert_eq!(watching.wait().unwrap().code(), Some(2), "the daemon is gone, and that is said");
-    let table = Command::new(env!("CARGO_BIN_EXE_untangled")).args(["status", "--watch", "0"]).output().unwrap();
+    let table = Command::new(untangled()).args(["status", "--watch", "0"]).output().unwrap();
     assert_eq!(table.status.code(), Some(2));
 }
 
 #[test]
-fn systemd_hears_when_it_serves_and_when_it_ends() {
+fn daemon_under_systemd_notifies_ready_and_stopping() {
     let domain = TestDomain::new();
     let path = std::env::temp_dir().join(format!("{}.notify", domain.name()));
     let socket = UnixDatagram::bind(&path).unwrap();
-    socket.set_read_timeout(Some(DEADLINE)).unwrap();
-    let mut serve = command(&domain);
+    socket.set_read_timeout(Some(PATIENCE)).unwrap();
+    let mut serve = serve(&domain);
     serve.env("NOTIFY_SOCKET", &path);
     let daemon = Logging::start(serve);
     let receive = || {
@@ -158,20 +155,21 @@ fn systemd_hears_when_it_serves_and_when_it_ends() {
 }
 
 #[test]
-fn logs_are_json_and_a_peer_can_not_flood_them() {
+fn log_of_many_refusals_is_json_and_limited() {
     let domain = TestDomain::new();
-    let mut serve = command(&domain);
+    let mut serve = serve(&domain);
     serve.env("UNTANGLED_TELEMETRY__FORMAT", "json");
     let mut daemon = Logging::start(serve);
     daemon.wait_for("ready");
     let mut session = domain.connect().register(sheet(2)).unwrap();
     for _ in 0..500 {
-        session.exchange(StepTime { dt_s: f64::NAN, ..STEP }, DEADLINE, fill_flat).unwrap_err();
+        session.exchange(StepTime { dt_s: f64::NAN, ..STEP }, PATIENCE, fill_flat).unwrap_err();
     }
+    let peer = RawPeer::new(&domain);
     for _ in 0..50 {
-        let header = RequestHeader { protocol_version: PROTOCOL_VERSION, kind: 77, ..RequestHeader::default() };
-        assert_eq!(request(&domain, header, &[]).0.status, Status::BadRequest.code());
+        assert_eq!(peer.expect_reply(header(77, 0), &[]).0.status, Status::BadRequest.code());
     }
+    drop(peer);
     drop(session);
     let lines: Vec<Value> = daemon.stop().iter().map(|line| serde_json::from_str(line).unwrap()).collect();
     let count = |message: &str| lines.iter().filter(|line| line["fields"]["message"] == message).count();

@@ -1,10 +1,15 @@
 //! A frame that runs out of time: the longest paths first, and what is left out is said.
 
-#![allow(clippy::unwrap_used, reason = "what goes wrong fails a test")]
-
 use std::sync::Arc;
 
-use untangle::{stage::{Stage, StageObserver}, frame::Frame, mesh::{Mesh, MeshDescription}, respond::{LeftOut, VertexFlags}, settings::{Response, Settings}, untangler::Untangler};
+use untangle::{
+    frame::Frame,
+    mesh::{Mesh, MeshDescription},
+    respond::{LeftOut, VertexFlags},
+    settings::{Response, Settings},
+    stage::{Stage, StageObserver},
+    untangler::Untangler,
+};
 
 /// Time for so many questions.
 struct Questions(usize);
@@ -74,7 +79,7 @@ fn answer(response: Response, questions: usize) -> (u32, LeftOut, usize) {
 }
 
 #[test]
-fn the_longest_paths_come_first() {
+fn untangler_out_of_time_serves_the_longest_paths_first() {
     const ALL: usize = usize::MAX;
     let (all, nothing, near) = answer(Response::Rbf, ALL);
     assert_eq!((all, nothing), (0b111, LeftOut::default()));
@@ -92,7 +97,7 @@ fn the_longest_paths_come_first() {
 }
 
 #[test]
-fn shortening_and_flags_end_early_too() {
+fn untangler_out_of_time_leaves_out_pairs_with_every_response() {
     assert_eq!(answer(Response::Contour, 4).0, 0b010);
     assert_eq!(answer(Response::Contour, 4).1.num_pairs, 2);
     for (questions, strips) in [(6, 0b111), (5, 0b110), (4, 0b010), (3, 0b000), (0, 0b000)] {

@@ -1,16 +1,15 @@
-//! What is kept between frames changes no answer: each frame of a sequence has the same bytes as from nothing.
+//! An analyser that has seen other frames, with its certificates and trees, gives the same bytes as a cold one.
 
-#![allow(clippy::unwrap_used, reason = "a test")]
-
-#[path = "support/npz.rs"]
-mod npz;
-#[path = "support/sheet.rs"]
-#[allow(dead_code, reason = "a part of it")]
-mod sheet;
-
-use std::path::Path;
-
-use untangle::{analysis::{Analyser, analyse}, frame::Frame, mesh::{Mesh, MeshDescription}, settings::Settings};
+use untangle::{
+    analysis::{Analyser, analyse},
+    frame::Frame,
+    mesh::{Mesh, MeshDescription},
+    settings::Settings,
+};
+use untangled_testkit::{
+    files::{npz::Sequence, shared},
+    generate::{Sheet, crumpled},
+};
 
 /// Runs a sequence with one analyser and with a new one for each frame.
 fn check(mesh: &Mesh, frames: impl IntoIterator<Item = Vec<[f64; 3]>>) -> [usize; 2] {
@@ -28,7 +27,7 @@ fn check(mesh: &Mesh, frames: impl IntoIterator<Item = Vec<[f64; 3]>>) -> [usize
 }
 
 /// A sheet that crumples, slowly or by leaps, while all of it, or a corner of it, moves.
-fn sequence(sheet: &sheet::Sheet, pace: f64, drift: f64, flutter: f64) -> impl Iterator<Item = Vec<[f64; 3]>> {
+fn sequence(sheet: &Sheet, pace: f64, drift: f64, flutter: f64) -> impl Iterator<Item = Vec<[f64; 3]>> {
     (0..60).map(move |number| {
         let time = f64::from(number);
         // Past the first contact and back.
@@ -47,7 +46,7 @@ fn sequence(sheet: &sheet::Sheet, pace: f64, drift: f64, flutter: f64) -> impl I
 }
 
 #[test]
-fn each_frame_of_generated_sequences_is_as_from_nothing() {
+fn warm_analyser_on_generated_sequences_equals_cold_analysis() {
     for (seed, pace, drift, flutter) in [
         (1, 0.002, 0.0, 0.0),
         (2, 0.01, 0.3, 0.0),
@@ -56,16 +55,16 @@ fn each_frame_of_generated_sequences_is_as_from_nothing() {
         (5, 0.5, 0.0, 0.2),
         (6, 0.0, 1e5, 0.0),
     ] {
-        let sheet = sheet::crumpled(seed, 24);
+        let sheet = crumpled(seed, 24);
         let counts = check(&sheet.mesh(), sequence(&sheet, pace, drift, flutter));
         println!("seed {seed}: {counts:?} frames without and with intersections");
     }
 }
 
 #[test]
-fn sheets_that_come_close_and_meet_are_as_from_nothing() {
+fn warm_analyser_on_approaching_sheets_equals_cold_analysis() {
     // Two sheets, the upper one of which sinks through the lower one by a fraction of an edge each frame.
-    let sheet = sheet::crumpled(3, 12);
+    let sheet = crumpled(3, 12);
     let count = u32::try_from(sheet.uvs.len()).unwrap();
     let upper = sheet.faces.iter().map(|face| face.map(|corner| corner + count));
     let faces: Vec<[u32; 3]> = sheet.faces.iter().copied().chain(upper).collect();
@@ -86,13 +85,9 @@ fn sheets_that_come_close_and_meet_are_as_from_nothing() {
 }
 
 #[test]
-fn each_frame_of_a_simulated_fall_is_as_from_nothing() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/sheet31k_fall30.npz");
-    if !path.exists() {
-        println!("skipped: no {}", path.display());
-        return;
-    }
-    let npz::Sequence { frames, faces } = npz::Sequence::read(&path).unwrap();
+fn warm_analyser_on_a_simulated_fall_equals_cold_analysis() {
+    let Some(path) = shared("data/sheet31k_fall30.npz") else { return };
+    let Sequence { frames, faces } = Sequence::read(&path).unwrap();
     let mesh = Mesh::new(MeshDescription { num_vertices: frames[0].len(), faces, ..Default::default() }).unwrap();
     // As it is, and with frames in between: slow enough for much to be kept.
     let between = frames.windows(2).take(12).flat_map(|pair| {

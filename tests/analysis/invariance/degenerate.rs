@@ -1,19 +1,18 @@
-//! Input that is not in general position, or hardly a mesh: the answer is still complete, and the same whatever the order of faces
-//! and corners.
-
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
+//! Input that is not in general position, or hardly a mesh: the answer is still complete, and the same whatever the
+//! order of faces and corners.
 
 use proptest::{prelude::*, test_runner::RngSeed};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use support::{
-    brute, degenerate, rules,
-    sheet::{Sheet, reordered},
-    summary::{Summary, summary},
+use untangle::{
+    analysis::{Analysis, analyse},
+    frame::Frame,
+    mesh::Mesh,
 };
-use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::{EdgeId, FaceId, Mesh}};
+use untangled_testkit::{
+    generate::{Sheet, crumpled, degenerate, reordered},
+    judge::{Summary, brute_force, rules, summary},
+};
 
 fn analysis_of(sheet: &Sheet) -> (Mesh, Frame, Analysis) {
     let mesh = sheet.bare_mesh();
@@ -29,13 +28,7 @@ fn size_of(sheet: &Sheet) -> f64 {
 /// Equal to brute force, and within the rules that hold for any mesh.
 fn check(name: &str, sheet: &Sheet) -> Summary {
     let (mesh, frame, analysis) = analysis_of(sheet);
-    let expected = brute::edge_face_intersections(&mesh, &frame);
-    let found: Vec<(EdgeId, FaceId)> =
-        analysis.intersections.edge_face.iter().map(|hit| (hit.edge, hit.face)).collect();
-    assert_eq!(found, expected, "{name}");
-    let expected: Vec<[FaceId; 2]> = brute::face_pairs(&mesh, &expected).into_keys().collect();
-    let found: Vec<[FaceId; 2]> = analysis.intersections.segments.iter().map(|segment| segment.faces).collect();
-    assert_eq!(found, expected, "{name}");
+    brute_force::assert_equal(name, &mesh, &frame, &analysis);
     // Weights are ratios of volumes; where these vanish the middle of the face stands in for a place that has none.
     rules::check_paths(&mesh, &frame, &analysis, 1e9 * (1.0 + size_of(sheet)));
     summary(&mesh, &analysis, |vertex| vertex, |face| face)
@@ -55,7 +48,7 @@ fn check_reordered(name: &str, sheet: &Sheet, expected: &Summary) {
 }
 
 #[test]
-fn every_degenerate_kind_equals_brute_force_in_any_order() {
+fn analysis_of_degenerate_sheets_equals_brute_force_in_any_order() {
     for (name, sheet) in degenerate::all() {
         let found = check(name, &sheet);
         check_reordered(name, &sheet, &found);
@@ -63,8 +56,8 @@ fn every_degenerate_kind_equals_brute_force_in_any_order() {
 }
 
 #[test]
-fn what_is_no_face_or_no_part_of_one_changes_nothing() {
-    let sheet = support::sheet::crumpled(5, 12);
+fn analysis_with_unused_vertices_and_repeated_indices_is_unchanged() {
+    let sheet = crumpled(5, 12);
     let (_, _, expected) = analysis_of(&sheet);
     let mut odd = sheet.clone();
     // Unused vertices, one of them where the cloth is, and faces that repeat an index.
@@ -77,7 +70,8 @@ fn what_is_no_face_or_no_part_of_one_changes_nothing() {
     assert!(!found.paths.pairs.is_empty());
 }
 
-/// Triangles between random vertices of a small grid: nearly every sign is zero, edges have any number of faces, faces repeat.
+/// Triangles between random vertices of a small grid: nearly every sign is zero, edges have any number of faces, faces
+/// repeat.
 fn soup(seed: u64) -> Sheet {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let num_vertices = rng.random_range(4..24u32);
@@ -99,7 +93,7 @@ proptest! {
     })]
 
     #[test]
-    fn heaps_of_triangles_equal_brute_force_in_any_order(seed in 0..u64::MAX) {
+    fn analysis_of_random_triangles_equals_brute_force_in_any_order(seed in 0..u64::MAX) {
         let sheet = soup(seed);
         let found = check("soup", &sheet);
         check_reordered("soup", &sheet, &found);

@@ -1,17 +1,17 @@
-//! What must not change the analysis: names, order, sides, place, size, threads, history, and how texture coordinates are cut up.
-
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
+//! What must not change the analysis: names, order, sides, place, size, threads, history, and how texture coordinates
+//! are cut up.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::{prelude::*, test_runner::RngSeed};
-use support::{
-    rules,
-    sheet::{Relabelled, Sheet, crumpled, relabelled, reordered},
-    summary::{Summary, summary},
+use untangle::{
+    analysis::{Analyser, Analysis, analyse},
+    mesh::{Mesh, MeshDescription, Uvs},
+    settings::Settings,
 };
-use untangle::{analysis::{Analyser, Analysis, analyse}, mesh::{Mesh, MeshDescription, Uvs}, settings::Settings};
+use untangled_testkit::{
+    generate::{Relabelled, Sheet, crumpled, relabelled, reordered},
+    judge::{Summary, rules, summary},
+};
 
 const SHEETS: u64 = 60;
 
@@ -36,7 +36,7 @@ fn assert_same(found: &Summary, expected: &Summary, what: &str) {
 }
 
 #[test]
-fn names_order_and_sides_change_nothing() {
+fn analysis_of_relabelled_and_turned_sheets_is_unchanged() {
     for (seed, sheet) in sheets() {
         for with_uvs in [false, true] {
             let expected = summary_of(&sheet, with_uvs);
@@ -53,7 +53,7 @@ fn names_order_and_sides_change_nothing() {
 }
 
 #[test]
-fn the_mirror_image_has_the_same_paths() {
+fn analysis_of_mirrored_sheets_is_unchanged() {
     for (seed, sheet) in sheets() {
         for (axis, with_uvs) in [(0, true), (1, false), (2, true)] {
             let mut mirrored = sheet.clone();
@@ -64,29 +64,29 @@ fn the_mirror_image_has_the_same_paths() {
     }
 }
 
-/// Texture coordinates of which each face has its own are unfolded face by face; the result are the coordinates of the whole.
+/// The mesh of a sheet with texture coordinates of its own for each face.
+fn with_seams(sheet: &Sheet) -> Mesh {
+    let corners = |face: usize, corner: u32| {
+        // Apart from all neighbours, and near enough to lose few digits.
+        let shift = [7, 11].map(|period| f64::from(u32::try_from(face).unwrap() % period));
+        let [u, v] = sheet.uvs[corner as usize];
+        [u + 4.0 * shift[0], v - 4.0 * shift[1]]
+    };
+    let all = sheet.faces.iter().enumerate();
+    let coordinates: Vec<[f64; 2]> =
+        all.flat_map(|(face, face_corners)| face_corners.map(|corner| corners(face, corner))).collect();
+    let count = u32::try_from(sheet.faces.len()).unwrap();
+    let uvs = Uvs { coordinates, corners: (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect() };
+    Mesh::new(MeshDescription { uvs: Some(uvs), ..sheet.bare_description() }).unwrap()
+}
+
+/// Texture coordinates of which each face has its own are unfolded face by face; the result are the coordinates of the
+/// whole.
 #[test]
-fn seams_between_all_faces_change_nothing() {
+fn analysis_with_texture_seams_between_all_faces_is_unchanged() {
     let mut num_discs = 0;
     for (seed, sheet) in sheets() {
-        let corners = |face: usize, corner: u32| {
-            // Apart from all neighbours, and near enough to lose few digits.
-            let shift = [7, 11].map(|period| f64::from(u32::try_from(face).unwrap() % period));
-            let [u, v] = sheet.uvs[corner as usize];
-            [u + 4.0 * shift[0], v - 4.0 * shift[1]]
-        };
-        let all = sheet.faces.iter().enumerate();
-        let coordinates: Vec<[f64; 2]> =
-            all.flat_map(|(face, face_corners)| face_corners.map(|corner| corners(face, corner))).collect();
-        let count = u32::try_from(sheet.faces.len()).unwrap();
-        let uvs = Uvs { coordinates, corners: (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect() };
-        let description = MeshDescription {
-            num_vertices: sheet.uvs.len(),
-            faces: sheet.faces.clone(),
-            uvs: Some(uvs),
-            ..Default::default()
-        };
-        let cut_up = Mesh::new(description).unwrap();
+        let cut_up = with_seams(&sheet);
         assert!(cut_up.chart_place(untangle::mesh::VertexId(0)).is_none());
         let found = analyse(&cut_up, &sheet.frame(&cut_up));
         let whole = sheet.mesh();
@@ -107,7 +107,7 @@ fn seams_between_all_faces_change_nothing() {
 }
 
 #[test]
-fn threads_and_history_change_nothing() {
+fn analysis_on_any_number_of_threads_and_after_other_frames_is_unchanged() {
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let pools = [1, 2, 3, 16].map(pool);
     for seed in [3, 7, 11, 15] {
@@ -135,7 +135,7 @@ fn threads_and_history_change_nothing() {
 }
 
 #[test]
-fn scales_over_twelve_decades_change_nothing() {
+fn analysis_of_sheets_scaled_over_twelve_decades_is_unchanged() {
     for (seed, sheet) in sheets() {
         for with_uvs in [true, false] {
             let expected = summary_of(&sheet, with_uvs);
@@ -157,7 +157,7 @@ proptest! {
     })]
 
     #[test]
-    fn rigid_motions_and_scales_change_nothing(
+    fn analysis_of_rigidly_moved_and_scaled_sheets_is_unchanged(
         seed in 0..200u64,
         resolution in prop::sample::select(vec![6, 9, 13]),
         with_uvs in any::<bool>(),

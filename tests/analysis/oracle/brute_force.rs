@@ -1,16 +1,12 @@
 //! The analysis of 200 crumpled sheets against brute force and the rules, with a table of the types of paths.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod support;
-
 use std::{collections::BTreeMap, fmt::Write};
 
-use support::{
-    brute, rules,
-    sheet::{Sheet, crumpled},
+use untangle::analysis::analyse;
+use untangled_testkit::{
+    generate::{Sheet, crumpled},
+    judge::{brute_force, rules},
 };
-use untangle::{analysis::analyse, mesh::{EdgeId, FaceId}};
 
 const RESOLUTIONS: [u32; 4] = [6, 9, 13, 20];
 const SHEETS: u64 = 200;
@@ -23,21 +19,15 @@ fn sheets() -> impl Iterator<Item = (u64, u32, Sheet)> {
 }
 
 #[test]
-fn crumpled_sheets_equal_brute_force_and_obey_all_rules() {
+fn analysis_of_crumpled_sheets_equals_brute_force_and_obeys_all_rules() {
     let mut table: BTreeMap<_, [usize; RESOLUTIONS.len()]> = BTreeMap::new();
     let mut num_pairs = 0;
     for (seed, resolution, sheet) in sheets() {
         let mesh = sheet.mesh();
         let frame = sheet.frame(&mesh);
         let analysis = analyse(&mesh, &frame);
-        let expected = brute::edge_face_intersections(&mesh, &frame);
-        let found: Vec<(EdgeId, FaceId)> =
-            analysis.intersections.edge_face.iter().map(|hit| (hit.edge, hit.face)).collect();
-        assert_eq!(found, expected, "seed {seed}");
-        let expected: Vec<[FaceId; 2]> = brute::face_pairs(&mesh, &expected).into_keys().collect();
-        let found: Vec<[FaceId; 2]> = analysis.intersections.segments.iter().map(|segment| segment.faces).collect();
-        assert_eq!(found, expected, "seed {seed}");
-        num_pairs += found.len();
+        brute_force::assert_equal(&format!("seed {seed}"), &mesh, &frame, &analysis);
+        num_pairs += analysis.intersections.segments.len();
         rules::check(&mesh, &frame, &analysis, 10.0);
         let column = RESOLUTIONS.iter().position(|&other| other == resolution).unwrap();
         for pair in &analysis.paths.pairs {
@@ -53,7 +43,7 @@ fn crumpled_sheets_equal_brute_force_and_obey_all_rules() {
         writeln!(text, "| {} | {cells} | {} |", name.as_str().unwrap(), counts.iter().sum::<usize>()).unwrap();
     }
     println!("{text}");
-    let document = include_str!("../docs/STAGES.md");
-    assert!(document.contains(&text), "docs/STAGES.md says something else than:\n{text}");
+    let document = include_str!("../../../docs/results/stages.md");
+    assert!(document.contains(&text), "docs/results/stages.md says something else than:\n{text}");
     assert!(table.len() >= 5, "too few types to be a test: {table:?}");
 }

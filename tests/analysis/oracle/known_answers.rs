@@ -2,30 +2,23 @@
 //!
 //! They lie in `../shared`, which is not part of this repository; where it is missing, these tests say so and pass.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stdout, reason = "says what was skipped")]
-
-mod support;
-
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
 use serde::Deserialize;
-use support::{brute, rules};
-use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::{EdgeId, FaceId, Mesh, VertexId}, paths::{PairType, PathType}};
+use untangle::{
+    analysis::{Analysis, analyse},
+    frame::Frame,
+    mesh::{Mesh, VertexId},
+    paths::{PairType, PathType},
+};
 use untangled_mesh_io::{ReadErrorKind, concatenate, read_mesh};
-
-/// The shared folder, if it is there.
-fn shared(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    println!("skipped: {} is not there", path.display());
-    None
-}
+use untangled_testkit::{
+    files::shared,
+    judge::{brute_force, rules},
+};
 
 /// The analysis of one file, after the rules that every analysis obeys.
 fn analysis_of(path: &Path) -> (Mesh, Frame, Analysis) {
@@ -39,13 +32,7 @@ fn analysis_of(path: &Path) -> (Mesh, Frame, Analysis) {
 }
 
 fn assert_equals_brute_force(name: &str, (mesh, frame, analysis): &(Mesh, Frame, Analysis)) {
-    let expected = brute::edge_face_intersections(mesh, frame);
-    let found: Vec<(EdgeId, FaceId)> =
-        analysis.intersections.edge_face.iter().map(|hit| (hit.edge, hit.face)).collect();
-    assert_eq!(found, expected, "{name}");
-    let expected: Vec<[FaceId; 2]> = brute::face_pairs(mesh, &expected).into_keys().collect();
-    let found: Vec<[FaceId; 2]> = analysis.intersections.segments.iter().map(|segment| segment.faces).collect();
-    assert_eq!(found, expected, "{name}");
+    brute_force::assert_equal(name, mesh, frame, analysis);
 }
 
 /// The answer to a scene.
@@ -95,7 +82,7 @@ fn accepts(reading: &BTreeMap<String, Option<usize>>, found: &BTreeMap<String, u
 
 /// Everything in which the analysis of one scene differs from its answer.
 fn differences(name: &str, answer: &Answer, analysis: &Analysis) -> Vec<String> {
-    let Analysis { intersections, paths, regions } = analysis;
+    let Analysis { intersections, paths, .. } = analysis;
     let mut wrong = Vec::new();
     let mut found_types: BTreeMap<String, usize> = BTreeMap::new();
     for pair in &paths.pairs {
@@ -115,9 +102,16 @@ fn differences(name: &str, answer: &Answer, analysis: &Analysis) -> Vec<String> 
     if along_paths != intersections.segments.len() {
         wrong.push(format!("{along_paths} segments on paths, {} in all", intersections.segments.len()));
     }
-    if !answer.is_exact(name) {
-        return wrong;
+    if answer.is_exact(name) {
+        wrong.extend(count_differences(answer, analysis, length));
+        wrong.extend(inside_differences(answer, analysis));
     }
+    wrong
+}
+
+/// Differences in faces, counts and length.
+fn count_differences(answer: &Answer, Analysis { intersections, .. }: &Analysis, length: f64) -> Vec<String> {
+    let mut wrong = Vec::new();
     let face_pairs: Vec<[u32; 2]> =
         intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
     if face_pairs != answer.face_pairs {
@@ -133,8 +127,15 @@ fn differences(name: &str, answer: &Answer, analysis: &Analysis) -> Vec<String> 
     if (length - answer.total_length).abs() > 1e-9 * answer.total_length {
         wrong.push(format!("length {length}, expected {}", answer.total_length));
     }
-    // Paths come in another order and a set that two copies bound together may stand on either: the sets are compared, each with
-    // the one most like it.
+    wrong
+}
+
+/// Differences in what is inside.
+///
+/// Paths come in another order and a set that two copies bound together may stand on either: each set is compared with
+/// the one most like it.
+fn inside_differences(answer: &Answer, Analysis { paths, regions, .. }: &Analysis) -> Vec<String> {
+    let mut wrong = Vec::new();
     let mut sets: Vec<BTreeSet<u32>> = (0..paths.copies.len())
         // II and BI have no inside of their own; what both paths of such a pair bound together is no answer of `check`.
         .filter(|&copy| !matches!(paths.copies[copy].path_type, PathType::BoundaryInside | PathType::InsideInside))
@@ -170,7 +171,7 @@ fn differences(name: &str, answer: &Answer, analysis: &Analysis) -> Vec<String> 
 }
 
 #[test]
-fn scenes_have_their_known_answers() {
+fn analysis_of_shared_scenes_has_the_known_answers() {
     let Some(folder) = shared("scenes") else { return };
     let mut answers: Vec<PathBuf> = folder.read_dir().unwrap().map(|entry| entry.unwrap().path()).collect();
     answers.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
@@ -197,7 +198,7 @@ fn scenes_have_their_known_answers() {
 }
 
 #[test]
-fn unit_scenes_have_the_type_in_their_name() {
+fn analysis_of_unit_scenes_has_the_path_type_in_the_file_name() {
     let Some(folder) = shared("scenes/units") else { return };
     let units = [
         ("BBII", "BB/II"),
@@ -222,7 +223,7 @@ fn unit_scenes_have_the_type_in_their_name() {
 }
 
 #[test]
-fn real_meshes_have_their_known_counts() {
+fn intersections_of_real_meshes_have_the_known_counts() {
     let Some(folder) = shared("data") else { return };
     let counts = [
         ("tshirt_trifold_3k7.obj", 117..=117),

@@ -1,11 +1,5 @@
-//! Other ways to the same pairs of faces: parry's tree over the same boxes, where testing all pairs takes too long, and all pairs, where single precision says
-//! little.
-
-#![allow(clippy::unwrap_used, reason = "a test")]
-
-#[path = "support/sheet.rs"]
-#[allow(dead_code, reason = "a part of it")]
-mod sheet;
+//! Other ways to the same pairs of faces: parry's tree over the same boxes, where testing all pairs takes too long, and
+//! all pairs, where single precision decides little.
 
 use parry3d_f64::{
     bounding_volume::Aabb,
@@ -14,7 +8,14 @@ use parry3d_f64::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use untangle::{analysis::analyse, frame::Frame, intersect::do_intersect, mesh::{EdgeId, FaceId, Mesh, MeshDescription}, predicates::{Site, side_of_plane}};
+use untangle::{
+    analysis::analyse,
+    frame::Frame,
+    intersect::do_intersect,
+    mesh::{EdgeId, FaceId, Mesh, MeshDescription},
+    predicates::{Site, side_of_plane},
+};
+use untangled_testkit::generate::{crumpled, squares};
 
 /// Whether an edge pierces a face that it shares no vertex with, from the definition.
 fn pierces(mesh: &Mesh, frame: &Frame, edge: EdgeId, face: FaceId) -> bool {
@@ -28,21 +29,21 @@ fn pierces(mesh: &Mesh, frame: &Frame, edge: EdgeId, face: FaceId) -> bool {
 }
 
 #[test]
-fn a_large_crumpled_sheet_has_the_same_intersections_by_another_tree() {
+fn intersections_of_a_large_crumpled_sheet_equal_those_by_parrys_tree() {
     check(125);
 }
 
-/// Some minutes and gigabytes: `cargo test --release --test second_broad_phase -- --ignored`.
+/// Some minutes and gigabytes: `cargo test --release --test analysis -- --ignored two_million`.
 #[test]
 #[ignore = "two million triangles"]
-fn two_million_triangles_have_the_same_intersections_by_another_tree() {
+fn intersections_of_two_million_triangles_equal_those_by_parrys_tree() {
     check(1000);
 }
 
 fn check(resolution: u32) {
-    let crumpled = sheet::crumpled(11, resolution);
-    let mesh = crumpled.mesh();
-    let frame = crumpled.frame(&mesh);
+    let sheet = crumpled(11, resolution);
+    let mesh = sheet.mesh();
+    let frame = sheet.frame(&mesh);
     let boxes: Vec<Aabb> = mesh
         .face_ids()
         .map(|face| {
@@ -70,10 +71,10 @@ fn check(resolution: u32) {
 
 /// Two sheets that nearly touch or cross by a hair, and a triangle so far away that all of them is little.
 #[test]
-fn sheets_beside_something_far_away_have_the_intersections_that_all_pairs_have() {
+fn intersections_beside_a_far_triangle_equal_those_of_all_pairs() {
     const RESOLUTION: u32 = 7;
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let (faces, uvs) = sheet::grid(RESOLUTION, &mut rng);
+    let (faces, uvs) = squares(RESOLUTION, &mut rng);
     let count = u32::try_from(uvs.len()).unwrap();
     let mut both = faces.clone();
     both.extend(faces.iter().map(|corners| corners.map(|corner| corner + count)));

@@ -1,13 +1,16 @@
 //! Tracing where it is hard: many chains in one vertex, edges of more than two faces, vertices of more than one fan.
 
-#![allow(clippy::unwrap_used, reason = "a test")]
-
-mod support;
-
 use std::collections::BTreeMap;
 
-use support::{fan::fan, rules, scene::Scene};
-use untangle::{analysis::Analysis, mesh::Mesh, paths::{ChainEnd, PairType, PathType, SurfacePoint}};
+use untangle::{
+    analysis::Analysis,
+    mesh::Mesh,
+    paths::{ChainEnd, PairType, PathType, SurfacePoint},
+};
+use untangled_testkit::{
+    generate::{Sheet, fan},
+    judge::rules,
+};
 
 fn types(analysis: &Analysis) -> BTreeMap<PairType, usize> {
     let mut types = BTreeMap::new();
@@ -17,14 +20,14 @@ fn types(analysis: &Analysis) -> BTreeMap<PairType, usize> {
     types
 }
 
-fn checked(scene: &Scene) -> (Mesh, Analysis) {
-    let (mesh, frame, analysis) = scene.analyse();
+fn checked(sheet: &Sheet) -> (Mesh, Analysis) {
+    let (mesh, frame, analysis) = sheet.analyse();
     rules::check_paths(&mesh, &frame, &analysis, 10.0);
     (mesh, analysis)
 }
 
 #[test]
-fn any_number_of_curves_may_start_in_one_vertex() {
+fn paths_of_many_curves_from_one_vertex_are_joined_in_pairs() {
     for (num_curves, num_sectors) in [(1, 24), (2, 36), (3, 50), (5, 80), (8, 120), (21, 400)] {
         let (_, analysis) = checked(&fan(num_curves, num_sectors));
         // As many as possible are joined two by two, side by side; an odd one folds back.
@@ -35,7 +38,8 @@ fn any_number_of_curves_may_start_in_one_vertex() {
         for pair in &analysis.paths.pairs {
             assert_eq!(pair.loop_vertices.iter().map(|vertex| vertex.0).collect::<Vec<_>>(), [0]);
         }
-        // Each copy passes through the vertex once, and joined ones don't cross: together they run through each half-path once.
+        // Each copy passes through the vertex once, and joined ones don't cross: together they run through each
+        // half-path once.
         let through = |point: &&untangle::paths::PathPoint| matches!(point.own, SurfacePoint::Vertex(_));
         let num_passes = analysis.paths.points.iter().filter(through).count();
         assert_eq!(num_passes, num_curves as usize);
@@ -43,42 +47,42 @@ fn any_number_of_curves_may_start_in_one_vertex() {
 }
 
 /// Pages that share their spine, an upright line, each a grid; and a level sheet through them if `cut`.
-fn book(num_pages: u32, cut: bool) -> Scene {
-    let mut scene = Scene::default();
+fn book(num_pages: u32, cut: bool) -> Sheet {
+    let mut sheet = Sheet::default();
     let rows = 6;
     let height = |row: u32| -0.9 + 1.7 * f64::from(row) / f64::from(rows);
     for row in 0..=rows {
-        scene.positions.push([0.01, 0.02, height(row)]);
-        scene.uvs.push([0.0, height(row)]);
+        sheet.positions.push([0.01, 0.02, height(row)]);
+        sheet.uvs.push([0.0, height(row)]);
     }
     for page in 0..num_pages {
         let angle = 0.3 + std::f64::consts::TAU * f64::from(page) / f64::from(num_pages);
-        let first = u32::try_from(scene.positions.len()).unwrap();
+        let first = u32::try_from(sheet.positions.len()).unwrap();
         let columns = 5;
         for row in 0..=rows {
             for column in 1..=columns {
                 let radius = 0.7 * f64::from(column) / f64::from(columns);
                 let z = height(row) + 0.03 * radius;
-                scene.positions.push([0.01 + radius * angle.cos(), 0.02 + radius * angle.sin(), z]);
-                scene.uvs.push([radius, z]);
+                sheet.positions.push([0.01 + radius * angle.cos(), 0.02 + radius * angle.sin(), z]);
+                sheet.uvs.push([radius, z]);
             }
         }
         let at = |row: u32, column: u32| if column == 0 { row } else { first + row * columns + column - 1 };
         for row in 0..rows {
             for column in 0..columns {
-                scene.faces.push([at(row, column), at(row, column + 1), at(row + 1, column + 1)]);
-                scene.faces.push([at(row, column), at(row + 1, column + 1), at(row + 1, column)]);
+                sheet.faces.push([at(row, column), at(row, column + 1), at(row + 1, column + 1)]);
+                sheet.faces.push([at(row, column), at(row + 1, column + 1), at(row + 1, column)]);
             }
         }
     }
     if cut {
-        scene.add_grid([-1.0, 1.0], [-1.0, 1.0], [9, 11], |x, y| [x, y, 0.017 * x - 0.011 * y]);
+        sheet.add_grid([-1.0, 1.0], [-1.0, 1.0], [9, 11], |x, y| [x, y, 0.017 * x - 0.011 * y]);
     }
-    scene
+    sheet
 }
 
 #[test]
-fn paths_are_split_and_marked_where_an_edge_has_many_faces() {
+fn paths_through_an_edge_of_many_faces_are_split_and_marked_there() {
     for num_pages in [3, 4, 7] {
         let (mesh, analysis) = checked(&book(num_pages, true));
         assert!(!mesh.is_manifold());
@@ -102,49 +106,50 @@ fn paths_are_split_and_marked_where_an_edge_has_many_faces() {
 }
 
 #[test]
-fn a_path_beside_an_edge_of_many_faces_has_its_region() {
-    let mut scene = book(5, false);
+fn path_beside_an_edge_of_many_faces_has_its_region() {
+    let mut sheet = book(5, false);
     // A wall across the upper outer corner of the page at angle 0.3.
     let (sin, cos) = 0.3f64.sin_cos();
-    scene.add_grid([-0.05, 0.05], [-0.7, 0.7], [3, 9], |s, t| {
+    sheet.add_grid([-0.05, 0.05], [-0.7, 0.7], [3, 9], |s, t| {
         let (along, up) = (0.45 + 0.5 * t, 0.55 - 0.5 * t);
         [0.01 + along * cos - s * sin, 0.02 + along * sin + s * cos, up + 0.01 * s]
     });
-    let (mesh, analysis) = checked(&scene);
+    let (mesh, analysis) = checked(&sheet);
     assert!(!mesh.is_manifold());
     assert_eq!(types(&analysis), BTreeMap::from([(PairType::BoundaryBoundaryInsideInside, 1)]));
     let region = analysis.regions.by_copy[0].as_ref().unwrap();
     assert!(region.partitioning);
     // Beyond the wall: where `along + up > 1`.
     let is_beyond = |&vertex: &usize| {
-        let [x, y, z] = scene.positions[vertex];
+        let [x, y, z] = sheet.positions[vertex];
         (7..7 + 35).contains(&vertex) && ((x - 0.01) * cos + (y - 0.02) * sin) + z > 1.0
     };
-    let expected: Vec<u32> = (0..scene.positions.len()).filter(is_beyond).map(|v| u32::try_from(v).unwrap()).collect();
+    let expected: Vec<u32> = (0..sheet.positions.len()).filter(is_beyond).map(|v| u32::try_from(v).unwrap()).collect();
     assert!(!expected.is_empty());
     assert_eq!(analysis.regions.vertices_of(0).iter().map(|vertex| vertex.0).collect::<Vec<_>>(), expected);
 }
 
 #[test]
-fn sheets_that_hang_together_in_one_vertex_are_two_fans() {
+fn paths_at_a_vertex_of_two_fans_are_not_joined() {
     // Two discs whose centres are one vertex, upside down and tilted into each other.
-    let mut scene = Scene::default();
-    scene.positions.push([0.0; 3]);
-    scene.uvs.push([0.0; 2]);
-    for (sheet, tilt) in [(0u32, 0.0), (1, 0.7)] {
+    let mut sheet = Sheet::default();
+    sheet.positions.push([0.0; 3]);
+    sheet.uvs.push([0.0; 2]);
+    for (disc, tilt) in [(0u32, 0.0), (1, 0.7)] {
         for k in 0..9u32 {
-            let angle = std::f64::consts::TAU * (f64::from(k) + 0.31 * f64::from(sheet)) / 9.0;
+            let angle = std::f64::consts::TAU * (f64::from(k) + 0.31 * f64::from(disc)) / 9.0;
             let (sin, cos) = angle.sin_cos();
-            scene.positions.push([cos, sin + 0.01 * cos, tilt * cos + 0.1]);
-            scene.uvs.push([cos, sin]);
+            sheet.positions.push([cos, sin + 0.01 * cos, tilt * cos + 0.1]);
+            sheet.uvs.push([cos, sin]);
         }
         for k in 0..9 {
-            scene.faces.push([0, 1 + 9 * sheet + k, 1 + 9 * sheet + (k + 1) % 9]);
+            sheet.faces.push([0, 1 + 9 * disc + k, 1 + 9 * disc + (k + 1) % 9]);
         }
     }
-    let (mesh, analysis) = checked(&scene);
+    let (mesh, analysis) = checked(&sheet);
     assert!(!mesh.is_manifold() && mesh.num_pieces() == 2);
-    // Two curves from the common vertex to where one rim pierces the other disc. No fan holds both half-paths of a curve: none is joined.
+    // Two curves from the common vertex to where one rim pierces the other disc. No fan holds both half-paths of a
+    // curve: none is joined.
     assert!(analysis.paths.pairs.iter().all(|pair| pair.loop_vertices.iter().all(|vertex| vertex.0 == 0)));
     assert_eq!(types(&analysis), BTreeMap::from([(PairType::BoundaryLoopInside, 2)]));
     for copy in &analysis.paths.copies {

@@ -1,8 +1,11 @@
 //! Which side of a path is inside, where a user says more than "the smaller one".
 
-#![allow(clippy::unwrap_used, reason = "a test")]
-
-use untangle::{analysis::{Analyser, Analysis}, frame::Frame, mesh::{Mesh, MeshDescription}, settings::{InsideChoice, Settings}};
+use untangle::{
+    analysis::{Analyser, Analysis},
+    frame::Frame,
+    mesh::{Mesh, MeshDescription},
+    settings::{InsideChoice, Settings},
+};
 
 fn analyse(description: MeshDescription, positions: &[[f64; 3]], settings: &Settings) -> (Mesh, Analysis) {
     let mesh = Mesh::new(description).unwrap();
@@ -72,7 +75,7 @@ fn num_differences(a: &[u32], b: &[u32]) -> usize {
 }
 
 #[test]
-fn winding_numbers_find_what_is_inside_of_a_solid() {
+fn inside_by_winding_number_of_overlapping_spheres_is_what_both_contain() {
     for flipped in [false, true] {
         let (description, positions, num_large) = spheres(flipped);
         let expected = in_both(&positions, num_large);
@@ -115,7 +118,7 @@ fn layers() -> (MeshDescription, Vec<[f64; 3]>) {
 }
 
 #[test]
-fn layers_and_pins_turn_the_choice_round() {
+fn inside_with_layers_or_pins_overrides_the_smaller_side() {
     let (description, positions) = layers();
     let below: Vec<u32> = (121..242u32).filter(|&vertex| positions[vertex as usize][2] < 0.0).collect();
     let above: Vec<u32> = (121..242u32).filter(|&vertex| positions[vertex as usize][2] > 0.0).collect();
@@ -132,7 +135,7 @@ fn layers_and_pins_turn_the_choice_round() {
 }
 
 #[test]
-fn the_smaller_area_is_not_always_the_smaller_number() {
+fn inside_by_area_and_by_work_of_uneven_faces_differs_from_inside_by_count() {
     // A strip with narrow columns on the right, cut in the middle of its length by a wall.
     let (mut positions, mut faces): (Vec<[f64; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
     let columns = [-10.0, -5.0, -1.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5];

@@ -13,6 +13,6 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if found.exists() {
         return Some(found);
     }
-    println!("SKIPPED: there is no {}", found.display());
+    eprintln!("SKIPPED: there is no {}", found.display());
     None
 }

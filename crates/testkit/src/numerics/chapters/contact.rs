@@ -33,6 +33,21 @@ pub(super) fn chapter() -> Chapter {
             move |_| depths(single),
         ));
     }
+    cases.extend(degenerate_cases());
+    cases.extend(repeated_cases());
+    Chapter {
+        title: "Contact",
+        text: "Signs are exact, on input that is thought to be moved infinitesimally: touching layers either intersect \
+               or don't, always in the same way. An ulp is that of the layers' height of 1. \
+               `tests/analysis/invariance/degenerate.rs` holds that the order of faces and of their corners changes \
+               none of these answers.",
+        cases,
+    }
+}
+
+/// Every degenerate kind of sheet that is in contact.
+fn degenerate_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
     for (what, names) in [
         ("coincident vertices", &["duplicate_positions", "zero_area", "one_point"][..]),
         ("everything coplanar", &["coplanar"]),
@@ -53,6 +68,12 @@ pub(super) fn chapter() -> Chapter {
     ] {
         cases.push(Case::new(what, COMPLETE, move |_| degenerates(names)));
     }
+    cases
+}
+
+/// Layers in the same place.
+fn repeated_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
     for count in [2, 5, 10] {
         cases.push(Case::new(format!("the same layer {count} times, flat"), COMPLETE, move |_| {
             let mut sheet = Sheet::default();
@@ -65,14 +86,7 @@ pub(super) fn chapter() -> Chapter {
             complete([repeated(&crumpled(4, 9), count.min(effort.choose(3, count)))])
         }));
     }
-    Chapter {
-        title: "Contact",
-        text: "Signs are exact, on input that is thought to be moved infinitesimally: touching layers either intersect \
-               or don't, always in the same way. An ulp is that of the layers' height of 1. \
-               `tests/analysis/invariance/degenerate.rs` holds that the order of faces and of their corners changes \
-               none of these answers.",
-        cases,
-    }
+    cases
 }
 
 /// Two level layers, of which the upper one's heights are given by its vertices' places.

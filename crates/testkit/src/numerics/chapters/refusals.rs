@@ -20,17 +20,41 @@ use crate::numerics::{
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
 pub(super) fn chapter() -> Chapter {
+    let mut cases = number_cases();
+    cases.extend(settings_cases());
+    cases.push(Case::new(
+        "a frame's header with `dt_s` or `simulated_s` NaN or infinite, `dt_s` 0, below 1e-9 or above 1e9",
+        "status `BadHeader`, with the value",
+        |_| in_header(),
+    ));
+    cases.extend(mesh_cases());
+    Chapter {
+        title: "What is refused",
+        text: "Every field that holds a number was given each value in each of its places; the words are those of the \
+               last one. Files: `tests/command_line/check_formats.rs`. Registrations and frames over the wire, byte by \
+               byte: `tests/daemon/fuzz.rs`.",
+        cases,
+    }
+}
+
+/// Numbers in meshes and positions.
+fn number_cases() -> Vec<Case> {
     let section = "`MeshError::SectionValue` with section, entry and value";
-    let setting = "`SettingsError` with name and value";
     let coordinate = "`FrameError::Coordinate` with vertex, axis and value";
-    let mut cases = vec![
+    vec![
         Case::new("`MeshDescription::uvs`, NaN and both infinities in each place", section, |_| in_uvs()),
         Case::new("`MeshDescription::rest_positions`, the same", section, |_| in_rest_positions()),
         Case::new("`MeshDescription::masses_kg`, the same, and below zero", section, |_| in_masses()),
         Case::new("positions in f64, the same, and beyond 2^250", coordinate, |_| in_positions()),
         Case::new("positions in f32, the same", coordinate, |_| in_single_positions()),
         Case::new("positions for `relax`, the same", "`RelaxError::Frame` with that error", |_| in_relaxed_positions()),
-    ];
+    ]
+}
+
+/// Numbers in settings.
+fn settings_cases() -> Vec<Case> {
+    let setting = "`SettingsError` with name and value";
+    let mut cases = Vec::new();
     cases.push(Case::new("`Settings::stiffness_per_step2`, NaN, both infinities, below zero", setting, |_| {
         in_settings("stiffness_per_step2", &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0], |settings, value| {
             settings.stiffness_per_step2 = value;
@@ -58,11 +82,12 @@ pub(super) fn chapter() -> Chapter {
             in_settings("max_centres", &[4.0, 1001.0], |settings, value| settings.max_centres = value as usize)
         },
     ));
-    cases.push(Case::new(
-        "a frame's header with `dt_s` or `simulated_s` NaN or infinite, `dt_s` 0, below 1e-9 or above 1e9",
-        "status `BadHeader`, with the value",
-        |_| in_header(),
-    ));
+    cases
+}
+
+/// Meshes that are empty or hardly there.
+fn mesh_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
     cases.push(Case::new("a mesh without vertices, or without faces", "`MeshError::Empty` with both counts", |_| {
         empty()
     }));
@@ -76,13 +101,7 @@ pub(super) fn chapter() -> Chapter {
         "no intersection, no force with any response",
         |_| one_triangle(),
     ));
-    Chapter {
-        title: "What is refused",
-        text: "Every field that holds a number was given each value in each of its places; the words are those of the \
-               last one. Files: `tests/command_line/check_formats.rs`. Registrations and frames over the wire, byte by \
-               byte: `tests/daemon/fuzz.rs`.",
-        cases,
-    }
+    cases
 }
 
 fn quoted(error: &dyn std::fmt::Display) -> String {
