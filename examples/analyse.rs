@@ -1,5 +1,5 @@
-//! Global intersection analysis as a library, without any other process: reads mesh files, or folds a sheet through itself, and prints
-//! every intersection path with its type and its inside regions.
+//! Global intersection analysis as a library, without any other process: reads mesh files, or folds a sheet through
+//! itself, and prints every intersection path with its type and its inside regions.
 //!
 //! ```sh
 //! cargo run --release --example analyse              # a generated sheet
@@ -43,12 +43,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-#[expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
+#[expect(clippy::print_stdout, reason = "an example prints what it finds")]
 fn print(line: &str) {
     println!("{line}");
 }
 
-/// A sheet of 1 m x 1 m, folded over with both layers pushed through each other in the middle: one closed path on each layer.
+/// A sheet of 1 m x 1 m, folded over with both layers pushed through each other in the middle: one closed path on each
+/// layer.
 fn folded_sheet(resolution: u32) -> (MeshDescription, Vec<[f64; 3]>) {
     let row = resolution + 1;
     let uvs: Vec<[f64; 2]> =
@@ -70,8 +71,8 @@ fn folded_sheet(resolution: u32) -> (MeshDescription, Vec<[f64; 3]>) {
     (description, positions)
 }
 
-/// Where the point of the sheet at `u` (-1 to 1 across the fold) and `v` (0 to 1 along it) goes. The layers `u` and `-u` lie at heights
-/// of opposite sign, which change where the bump is.
+/// Where the point of the sheet at `u` (-1 to 1 across the fold) and `v` (0 to 1 along it) goes. The layers `u` and
+/// `-u` lie at heights of opposite sign, which change where the bump is.
 fn fold(u: f64, v: f64) -> [f64; 3] {
     let across = 0.5 * (u * u + 0.01).sqrt();
     let from_centre = ((across - 0.3).powi(2) + (v - 0.47).powi(2)).sqrt();

@@ -1,8 +1,5 @@
-//! Whole frames and each of their stages on generated sheets, flat and crumpled: from nothing, and again and again.
-
-#[path = "../tests/support/sheet.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "a part of what the tests use")]
-mod sheet;
+//! Whole frames and each of their stages on generated sheets, flat and crumpled: cold, and with what frames before have
+//! left in caches.
 
 use std::{
     sync::Arc,
@@ -10,7 +7,14 @@ use std::{
 };
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use untangle::{analysis::Analyser, stage::{Stage, StageObserver}, frame::Frame, settings::Settings, untangler::Untangler};
+use untangle::{
+    analysis::Analyser,
+    frame::Frame,
+    settings::Settings,
+    stage::{Stage, StageObserver},
+    untangler::Untangler,
+};
+use untangled_testkit::generate::{Sheet, crumpled};
 
 /// Sheets of twice the square of these.
 const RESOLUTIONS: [u32; 4] = [35, 125, 250, 500];
@@ -41,7 +45,7 @@ impl StageObserver for Watch {
     }
 }
 
-fn states(sheet: &sheet::Sheet) -> [(&'static str, Vec<[f64; 3]>); 2] {
+fn states(sheet: &Sheet) -> [(&'static str, Vec<[f64; 3]>); 2] {
     let flat = sheet.uvs.iter().map(|&[u, v]| [u, v, 0.1 * u * v]).collect();
     [("untangled", flat), ("tangled", sheet.positions.clone())]
 }
@@ -50,10 +54,10 @@ fn analyse(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("analyse");
     group.sample_size(20);
     for resolution in RESOLUTIONS {
-        let crumpled = sheet::crumpled(7, resolution);
-        let mesh = crumpled.mesh();
+        let sheet = crumpled(7, resolution);
+        let mesh = sheet.mesh();
         let num_faces = mesh.num_faces();
-        for (state, positions) in &states(&crumpled) {
+        for (state, positions) in &states(&sheet) {
             let frame = Frame::new(&mesh, positions).expect("generated positions are finite");
             let mut analyser = Analyser::default();
             for (memory, keeps) in [("cold", false), ("coherent", true)] {
@@ -76,10 +80,10 @@ fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     group.sample_size(20);
     for resolution in RESOLUTIONS {
-        let crumpled = sheet::crumpled(7, resolution);
-        let mesh = Arc::new(crumpled.mesh());
+        let sheet = crumpled(7, resolution);
+        let mesh = Arc::new(sheet.mesh());
         let num_faces = mesh.num_faces();
-        for (state, positions) in &states(&crumpled) {
+        for (state, positions) in &states(&sheet) {
             let frame = Frame::new(&mesh, positions).expect("generated positions are finite");
             let mut untangler =
                 Untangler::new(mesh.clone(), Settings::default()).expect("the default settings suit every mesh");

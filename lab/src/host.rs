@@ -1,13 +1,16 @@
 //! What a host does with a correction, with the untangler in the same process.
 
 use nalgebra::Vector3;
-use untangle::{mesh::{Mesh, MeshDescription, MeshError, Uvs}, respond::{Corrections, VertexFlags}, settings::Response};
+use untangle::{
+    mesh::{Mesh, MeshDescription, MeshError, Uvs},
+    respond::{Corrections, VertexFlags},
+    settings::Response,
+};
 use untangled_publisher::{
     mesh::{Cloth, Vec3},
     solver::Help,
 };
-
-use super::Knowledge;
+use untangled_testkit::generate::mirrored::Knowledge;
 
 /// Length of a step in seconds.
 pub const DT_S: f64 = 1.0 / 60.0;
@@ -73,6 +76,7 @@ impl Taken {
     }
 
     /// For the solver's next step.
+    #[must_use]
     pub fn help(&self) -> Help<'_> {
         Help {
             velocity_change_m_s: &self.velocity_change_m_s,

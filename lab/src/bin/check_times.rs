@@ -1,7 +1,7 @@
 //! Wall time of `untangled check` on mesh files, with start-up, as a user waits for it.
 //!
 //! ```sh
-//! cargo build --release && cargo run --release --example check_times -- FILE...
+//! cargo build --release && cargo run --release -p untangled-lab --bin check_times -- FILE...
 //! ```
 //!
 //! Each file is checked three times by a process of its own; the least and the greatest time are printed.
@@ -17,8 +17,7 @@ use std::{
 const RUNS: usize = 3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Examples lie in a folder of their own beside the binary.
-    let binary = std::env::current_exe()?.with_file_name("../untangled");
+    let binary = std::env::current_exe()?.with_file_name("untangled");
     println!("| file | face pairs | least s | greatest s |\n|---|---|---|---|");
     for file in std::env::args().skip(1) {
         let (mut least, mut greatest) = (Duration::MAX, Duration::ZERO);

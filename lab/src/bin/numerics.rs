@@ -1,39 +1,24 @@
-//! Makes the document of limits: for each extreme what is promised and what was seen. Ends in failure where a promise is broken.
+//! Makes the document of limits: for each extreme what is promised and what was seen. Ends in failure where a promise
+//! is broken.
 //!
 //! ```sh
-//! cargo run --release --example numerics > docs/NUMERICS.md
-//! cargo run --release --example numerics -- --quick      # at the sizes of the test
+//! cargo run --release -p untangled-lab --bin numerics > docs/results/numerics.md
+//! cargo run --release -p untangled-lab --bin numerics -- --quick      # at the sizes of the test
 //! ```
 
-#![allow(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    clippy::unwrap_used,
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    clippy::float_cmp,
-    unreachable_pub,
-    missing_debug_implementations,
-    reason = "a program for developers, whose numbers are small; what goes wrong ends it with words"
-)]
-
-#[path = "../tests/numerics/cases/mod.rs"]
-mod cases;
-
-#[path = "../tests/support/mod.rs"]
-mod support;
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "prints a document, and on standard error how far it is")]
 
 use std::{hint::black_box, process::ExitCode, time::Instant};
 
 use cpu_time::ThreadTime;
-
-use cases::{Effort, chapters, single};
+use untangled_lab::table::print_header;
+use untangled_testkit::numerics::{Effort, chapters, single};
 
 const HEAD: &str = "# Numbers at their limits
 
-Made by `cargo run --release --example numerics > docs/NUMERICS.md`; do not edit. `tests/numerics` holds each promise at smaller sizes, and fails where one is \
-broken. \"Finite\" means every correction, path point, condition number and target.
+Made by `cargo run --release -p untangled-lab --bin numerics > docs/results/numerics.md`; do not edit. \
+`tests/response/numerics.rs` holds each promise at smaller sizes, and fails where one is broken. \"Finite\" means \
+every correction, path point, condition number and target.
 ";
 
 fn main() -> ExitCode {
@@ -42,7 +27,7 @@ fn main() -> ExitCode {
     let mut num_broken = 0;
     for chapter in chapters() {
         println!("## {}\n\n{}\n", chapter.title, chapter.text);
-        header(&["what", "promised", "seen"]);
+        print_header(&["what", "promised", "seen"]);
         for case in chapter.cases {
             let begin = Instant::now();
             let seen = case.measure(effort).unwrap_or_else(|words| {
@@ -64,7 +49,7 @@ fn main() -> ExitCode {
 
 fn single_precision(effort: Effort) {
     println!("## Single precision inside\n\n{}\n", single::TEXT);
-    header(&["centres", "condition", "all in f32", "images in f32", "input in f32", "fit, f64 time / f32 time"]);
+    print_header(&["centres", "condition", "all in f32", "images in f32", "input in f32", "fit, f64 time / f32 time"]);
     for problem in single::problems(if effort == Effort::Quick { 100 } else { 1000 }) {
         let single::Loss { condition, all, images, input } = problem.loss();
         let ratio = time(&problem, false) / time(&problem, true);
@@ -82,8 +67,4 @@ fn time(problem: &single::Problem, single: bool) -> f64 {
         least = least.min(start.elapsed().as_secs_f64());
     }
     least
-}
-
-fn header(columns: &[&str]) {
-    println!("| {} |\n|{}", columns.join(" | "), "---|".repeat(columns.len()));
 }

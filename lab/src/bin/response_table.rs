@@ -1,15 +1,16 @@
-//! What corrections do in a simulator that has self-contact of its own: scene by scene, method by method, with controls.
+//! What corrections do in a simulator that has self-contact of its own: scene by scene, method by method, with
+//! controls.
 //!
 //! ```sh
-//! cargo run --release --example response_table -- [--steps N] [--seeds N] [--edge METRES] [--only METHOD] [--verbose] [--markdown] [FILE...]
-//! cargo run --release --example response_table -- --markdown > docs/RESPONSE.md
+//! cargo run --release -p untangled-lab --bin response_table -- [--steps N] [--seeds N] [--edge METRES] [--only METHOD]
+//! [--verbose] [--markdown] [FILE...] cargo run --release -p untangled-lab --bin response_table -- --markdown >
+//! docs/results/response.md
 //! ```
 //!
-//! The host is the simulator of `clients/publisher`, whose contact defends whatever side a vertex is on; the judge is its exact check, which
-//! shares no code with the untangler. Files (OBJ) are run with the shape of the file as rest shape, without gravity.
-#![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
-
-mod support;
+//! The host is the simulator of `clients/publisher`, whose contact defends whatever side a vertex is on; the judge is
+//! its exact check, which shares no code with the untangler. Files (OBJ) are run with the shape of the file as rest
+//! shape, without gravity.
+#![allow(clippy::print_stdout, reason = "prints a table")]
 
 use std::{
     env,
@@ -19,11 +20,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use support::{
-    Knowledge,
-    host::{DT_S, Taken, mesh_of},
+use untangle::{
+    frame::Frame,
+    settings::{Response, Settings},
+    untangler::Untangler,
 };
-use untangle::{frame::Frame, settings::{Response, Settings}, untangler::Untangler};
+use untangled_lab::host::{DT_S, Taken, mesh_of};
 use untangled_publisher::{
     check::count_edge_face,
     mesh::Cloth,
@@ -31,6 +33,7 @@ use untangled_publisher::{
     scenes::Scene,
     solver::{Parameters, Solver},
 };
+use untangled_testkit::generate::mirrored::Knowledge;
 
 /// A scene is held when it stays clean for so many steps.
 const HELD: usize = 5;
@@ -77,52 +80,71 @@ struct Run {
     busy_steps: usize,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let (mut most, mut seeds, mut edge_m, mut markdown, mut verbose) = (200, 1, 0.025, false, false);
-    let mut only = String::new();
-    let mut files = Vec::new();
-    let mut arguments = env::args().skip(1);
-    while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
-        match argument.as_str() {
-            "--steps" => most = value()?.parse()?,
-            "--seeds" => seeds = value()?.parse()?,
-            "--edge" => edge_m = value()?.parse()?,
-            "--only" => only = value()?,
-            "--verbose" => verbose = true,
-            "--markdown" => markdown = true,
-            _ => files.push(argument),
+/// What the command line asks for.
+struct Options {
+    most: usize,
+    seeds: u64,
+    edge_m: f64,
+    only: String,
+    markdown: bool,
+    verbose: bool,
+    files: Vec<String>,
+}
+
+impl Options {
+    fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
+        let (only, files) = (String::new(), Vec::new());
+        let mut options = Self { most: 200, seeds: 1, edge_m: 0.025, only, markdown: false, verbose: false, files };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+            match argument.as_str() {
+                "--steps" => options.most = value()?.parse()?,
+                "--seeds" => options.seeds = value()?.parse()?,
+                "--edge" => options.edge_m = value()?.parse()?,
+                "--only" => options.only = value()?,
+                "--verbose" => options.verbose = true,
+                "--markdown" => options.markdown = true,
+                _ => options.files.push(argument),
+            }
         }
+        Ok(options)
     }
-    print_head(markdown, most, edge_m);
-    let methods = || METHODS.into_iter().filter(|method| method.name.starts_with(&only));
-    if files.is_empty() {
-        for (name, path_type) in SCENES {
-            let scene: Scene = name.parse()?;
-            for seed in 1..=seeds {
-                let label =
-                    format!("{name} ({path_type})") + &if seeds > 1 { format!(" #{seed}") } else { String::new() };
-                for method in methods() {
-                    print_row(
-                        &label,
-                        method.name,
-                        &run(scene.build(seed, edge_m), 9.81, method, most, verbose)?,
-                        markdown,
-                    );
-                }
+
+    fn methods(&self) -> impl Iterator<Item = Method> {
+        METHODS.into_iter().filter(|method| method.name.starts_with(&self.only))
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse(env::args().skip(1))?;
+    print_head(options.markdown, options.most, options.edge_m);
+    if options.files.is_empty() {
+        return run_scenes(&options);
+    }
+    for file in &options.files {
+        let label =
+            Path::new(file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
+        for method in options.methods() {
+            let cloth = obj::read(Path::new(file)).map_err(Box::from);
+            match cloth.and_then(|cloth| run(cloth, 0.0, method, options.most, options.verbose)) {
+                Ok(run) => print_row(&label, method.name, &run, options.markdown),
+                Err(error) => println!("{label}: {error}"),
             }
         }
     }
-    for file in files {
-        let label =
-            Path::new(&file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
-        for method in methods() {
-            match obj::read(Path::new(&file))
-                .map_err(Box::from)
-                .and_then(|cloth| run(cloth, 0.0, method, most, verbose))
-            {
-                Ok(run) => print_row(&label, method.name, &run, markdown),
-                Err(error) => println!("{label}: {error}"),
+    Ok(())
+}
+
+fn run_scenes(options: &Options) -> Result<(), Box<dyn Error>> {
+    for (name, path_type) in SCENES {
+        let scene: Scene = name.parse()?;
+        for seed in 1..=options.seeds {
+            let number = if options.seeds > 1 { format!(" #{seed}") } else { String::new() };
+            let label = format!("{name} ({path_type}){number}");
+            for method in options.methods() {
+                let cloth = scene.build(seed, options.edge_m);
+                let run = run(cloth, 9.81, method, options.most, options.verbose)?;
+                print_row(&label, method.name, &run, options.markdown);
             }
         }
     }
@@ -137,18 +159,17 @@ fn print_head(markdown: bool, most: usize, edge_m: f64) {
         );
         return;
     }
-    println!("# What corrections do in a simulator with self-contact\n");
-    println!("Made by `cargo run --release --example response_table -- --markdown > docs/RESPONSE.md`; do not edit.\n");
     println!(
-        "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. `before` and `after` are"
+        "# What corrections do in a simulator with self-contact\n\nMade by `cargo run --release -p untangled-lab --bin \
+         response_table -- --markdown > docs/results/response.md`; do not edit.\n"
     );
     println!(
-        "edge-face hits by its exact check, which shares no code with the untangler; `steps` is the number of steps to the first clean state,"
+        "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. \
+         `before` and `after` are\nedge-face hits by its exact check, which shares no code with the untangler; `steps` \
+         is the number of steps to the first clean state,\n`held` whether the next {HELD} were clean too, `stretch` \
+         the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and\nresponse of a tangled \
+         step, on one machine and to be compared within the table only.\n"
     );
-    println!(
-        "`held` whether the next {HELD} were clean too, `stretch` the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and"
-    );
-    println!("response of a tangled step, on one machine and to be compared within the table only.\n");
     println!("| scene | method | before | steps | held | after | stretch | ms/step |");
     println!("|---|---|---|---|---|---|---|---|");
 }
@@ -169,26 +190,36 @@ fn print_row(scene: &str, method: &str, run: &Run, markdown: bool) {
     }
 }
 
+impl Run {
+    fn new() -> Self {
+        Self { before: 0, steps: None, held: true, after: 0, stretch: 1.0, untangler: Duration::ZERO, busy_steps: 0 }
+    }
+
+    /// Takes in whether a step's state is clean.
+    fn count_steps(&mut self, step: usize) {
+        if step == 0 {
+            self.before = self.after;
+        }
+        match self.steps {
+            None if self.after == 0 => self.steps = Some(step),
+            Some(_) if self.after > 0 => self.held = false,
+            _ => {}
+        }
+    }
+}
+
 fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
     let parameters = Parameters::of_cloth(&cloth, gravity_m_s2);
     let mut solver = Solver::new(cloth, parameters);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
     let settings = Settings { response: method.response, ..Settings::default() };
     let mut untangler = Untangler::new(mesh, settings)?;
-    let mut run =
-        Run { before: 0, steps: None, held: true, after: 0, stretch: 1.0, untangler: Duration::ZERO, busy_steps: 0 };
+    let mut run = Run::new();
     let mut taken = Taken::default();
     for step in 0..=most {
         let points = solver.cloth().points();
         run.after = count_edge_face(&points, &solver.cloth().triangles)?;
-        if step == 0 {
-            run.before = run.after;
-        }
-        match run.steps {
-            None if run.after == 0 => run.steps = Some(step),
-            Some(_) if run.after > 0 => run.held = false,
-            _ => {}
-        }
+        run.count_steps(step);
         if step == most || run.steps.is_some_and(|first| step >= first + HELD) {
             break;
         }

@@ -1,21 +1,26 @@
 //! Time of each stage of the analysis against the number of triangles and of segments, as a table in Markdown.
 //!
 //! ```sh
-//! cargo run --release --example stage_times -- [--no-uvs] [LARGEST_RESOLUTION]
+//! cargo run --release -p untangled-lab --bin stage_times -- [--no-uvs] [LARGEST_RESOLUTION]
 //! ```
 //!
-//! Generated sheets of 2 n^2 triangles, hardly bent and crumpled: n is 35, 79, 125, 250, 500 and 1000, up to the one given (500). Times
-//! are the least of five frames, after one that builds the tree. Without texture coordinates the discs of folded paths are unfolded.
+//! Generated sheets of 2 n^2 triangles, hardly bent and crumpled: n is 35, 79, 125, 250, 500 and 1000, up to the one
+//! given (500). Times are the least of five frames, after one that builds the tree. Without texture coordinates the
+//! discs of folded paths are unfolded.
 
 #![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "prints a table of ratios")]
 
-#[path = "../tests/support/sheet.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "a part of what the tests use")]
-mod sheet;
-
 use std::time::{Duration, Instant};
 
-use untangle::{analysis::Analyser, stage::{Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings};
+use untangle::{
+    analysis::Analyser,
+    frame::Frame,
+    mesh::Mesh,
+    settings::Settings,
+    stage::{Stage, StageObserver},
+};
+use untangled_lab::{states::bent, table::print_header};
+use untangled_testkit::generate::crumpled;
 
 /// Durations of intersect, paths and regions.
 #[derive(Default)]
@@ -66,12 +71,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "paths ns/segment",
         "regions ns/(segment + inside)",
     ];
-    println!("| {} |\n|{}", columns.join(" | "), "---|".repeat(columns.len()));
+    print_header(&columns);
     for resolution in RESOLUTIONS.into_iter().filter(|&resolution| resolution <= largest) {
-        let crumpled = sheet::crumpled(11, resolution);
-        let mesh = if with_uvs { crumpled.mesh() } else { crumpled.bare_mesh() };
-        let bent: Vec<[f64; 3]> = crumpled.uvs.iter().map(|&[u, v]| [u, v, 0.1 * (3.0 * u).sin() * v]).collect();
-        for (state, positions) in [("untangled", &bent), ("tangled", &crumpled.positions)] {
+        let sheet = crumpled(11, resolution);
+        let mesh = if with_uvs { sheet.mesh() } else { sheet.bare_mesh() };
+        for (state, positions) in [("untangled", &bent(&sheet)), ("tangled", &sheet.positions)] {
             row(&mesh, state, &Frame::new(&mesh, positions)?);
         }
     }

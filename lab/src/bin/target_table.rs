@@ -1,22 +1,22 @@
 //! How near targets come to the truth, on folded sheets where the truth is known.
 //!
 //! ```sh
-//! cargo run --release --example target_table                             # as plain text
-//! cargo run --release --example target_table -- --markdown > docs/TARGETS.md
+//! cargo run --release -p untangled-lab --bin target_table                             # as plain text
+//! cargo run --release -p untangled-lab --bin target_table -- --markdown > docs/results/targets.md
 //! ```
 //!
-//! What the sheets are: `support/mirrored.rs`.
-#![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
-
-mod support;
+//! The sheets are those of the test kit's `generate::mirrored`.
+#![allow(clippy::print_stdout, reason = "prints a table")]
 
 use std::{env, error::Error};
 
-use support::{
-    Knowledge,
-    mirrored::{CURVES, Curve, Sheet, sheet},
+use untangle::{
+    analysis::Analyser,
+    correspond::{ChartKind, Correspondent},
+    settings::Settings,
 };
-use untangle::{analysis::Analyser, correspond::{ChartKind, Correspondent}, settings::Settings};
+use untangled_lab::table::print_header;
+use untangled_testkit::generate::mirrored::{CURVES, Curve, Knowledge, MirroredSheet, sheet};
 
 const EDGES_M: [f64; 3] = [0.1, 0.05, 0.025];
 const SIZES: [f64; 3] = [0.25, 0.5, 1.0];
@@ -34,7 +34,7 @@ struct Row {
 }
 
 /// The longest path of the wanted type, and how far its targets are off.
-fn measure(sheet: &Sheet, edge_m: f64) -> Option<Row> {
+fn measure(sheet: &MirroredSheet, edge_m: f64) -> Option<Row> {
     let settings = Settings::default();
     let mut analyser = Analyser::default();
     let analysis = analyser.analyse(&sheet.mesh, &sheet.frame, &settings, &mut ());
@@ -53,6 +53,33 @@ fn measure(sheet: &Sheet, edge_m: f64) -> Option<Row> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let markdown = env::args().any(|argument| argument == "--markdown");
+    print_head(markdown);
+    for curve in &CURVES {
+        for size in SIZES {
+            for edge_m in EDGES_M {
+                for (knowledge, name) in KNOWLEDGE {
+                    let row = measure(&sheet(curve, size, edge_m, knowledge)?, edge_m);
+                    print(curve, edge_m, name, row.as_ref(), markdown);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+const HEAD: &str = "\
+# How near targets come to the truth
+
+Made by `cargo run --release -p untangled-lab --bin target_table -- --markdown > docs/results/targets.md`; do not edit.
+
+On folded sheets the target of (u, v) is (-u, v). `edge` is the edge length in metres; `length` of the path,
+`median` and `max` distance of a target from the true one, and `residual`, by how much the fit misses the path
+between its centres, are in edge lengths. A chart is unfolded, or relaxed where its faces don't fit together in the
+plane. The chart from current lengths can't know how the fold has stretched the sheet; the truth it is measured
+against is that of the flat one.
+";
+
+fn print_head(markdown: bool) {
     let heading = [
         "path",
         "edge",
@@ -67,36 +94,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "condition",
     ];
     if markdown {
-        println!("# How near targets come to the truth\n");
-        println!(
-            "Made by `cargo run --release --example target_table -- --markdown > docs/TARGETS.md`; do not edit.\n"
-        );
-        println!(
-            "On folded sheets the target of (u, v) is (-u, v). `edge` is the edge length in metres; `length` of the path, `median` and `max`"
-        );
-        println!(
-            "distance of a target from the true one, and `residual`, by how much the fit misses the path between its centres, are in edge"
-        );
-        println!(
-            "lengths. A chart is unfolded, or relaxed where its faces don't fit together in the plane. The chart from current lengths can't know"
-        );
-        println!("how the fold has stretched the sheet; the truth it is measured against is that of the flat one.\n");
-        println!("| {} |", heading.join(" | "));
-        println!("|{}", "---|".repeat(heading.len()));
+        println!("{HEAD}");
+        print_header(&heading);
     } else {
         println!("{}", heading.join("  "));
     }
-    for curve in &CURVES {
-        for size in SIZES {
-            for edge_m in EDGES_M {
-                for (knowledge, name) in KNOWLEDGE {
-                    let row = measure(&sheet(curve, size, edge_m, knowledge)?, edge_m);
-                    print(curve, edge_m, name, row.as_ref(), markdown);
-                }
-            }
-        }
-    }
-    Ok(())
 }
 
 fn print(curve: &Curve, edge_m: f64, chart: &str, row: Option<&Row>, markdown: bool) {

@@ -12,15 +12,15 @@ thread_local! {
 static BY_ALL: AtomicU64 = AtomicU64::new(0);
 
 /// The system's allocator with a count of calls that hand out memory.
-pub struct Counting;
+pub(crate) struct Counting;
 
 /// Calls of this thread so far.
-pub fn of_this_thread() -> u64 {
+pub(crate) fn of_this_thread() -> u64 {
     BY_THREAD.with(Cell::get)
 }
 
 /// Calls of all threads so far.
-pub fn of_all_threads() -> u64 {
+pub(crate) fn of_all_threads() -> u64 {
     BY_ALL.load(Ordering::Relaxed)
 }
 

@@ -2,29 +2,38 @@
 
 use std::time::Duration;
 
-use untangle::{frame::Frame, intersect::{Intersections, Intersector}, mesh::{Mesh, MeshDescription}};
-
-use crate::{Failure, bent, header, milliseconds, sheet, timed};
+use untangle::{
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::{Mesh, MeshDescription},
+};
+use untangled_lab::{
+    Failure,
+    clock::{milliseconds, timed},
+    states::bent,
+    table::print_header,
+};
+use untangled_testkit::generate::crumpled;
 
 const RESOLUTION: u32 = 125;
 
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## How far single precision carries\n");
     println!(
-        "A search from nothing through 31,250 triangles, with one more as many edges away, on one thread. Proofs in single precision fail where edges are \
-         short beside the whole; doubles and signs then do what they left.\n"
+        "A search from nothing through 31,250 triangles, with one more as many edges away, on one thread. Proofs in \
+         single precision fail where edges are short beside the whole; doubles and signs then do what they left.\n"
     );
-    header(&["edges from end to end", "untangled ms", "tangled ms"]);
-    let crumpled = sheet::crumpled(11, RESOLUTION);
+    print_header(&["edges from end to end", "untangled ms", "tangled ms"]);
+    let sheet = crumpled(11, RESOLUTION);
     let mut mesh = MeshDescription {
-        num_vertices: crumpled.positions.len() + 3,
-        faces: crumpled.faces.clone(),
+        num_vertices: sheet.positions.len() + 3,
+        faces: sheet.faces.clone(),
         ..MeshDescription::default()
     };
-    let last = u32::try_from(crumpled.positions.len())?;
+    let last = u32::try_from(sheet.positions.len())?;
     mesh.faces.push([last, last + 1, last + 2]);
     let mesh = Mesh::new(mesh)?;
-    let states = [bent(&crumpled), crumpled.positions.clone()];
+    let states = [bent(&sheet), sheet.positions.clone()];
     for away in [1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8] {
         let mut best = [Duration::MAX; 2];
         for (positions, best) in states.iter().zip(&mut best) {

@@ -3,12 +3,17 @@
 use std::{sync::Arc, time::Duration};
 
 use cpu_time::ThreadTime;
-use untangle::{stage::{Stage, StageObserver}, frame::Frame, mesh::Mesh, settings::Settings, untangler::Untangler};
-
-use crate::{
-    Failure,
-    folded::{Furrows, folded},
-    header, milliseconds, sheet,
+use untangle::{
+    frame::Frame,
+    mesh::Mesh,
+    settings::Settings,
+    stage::{Stage, StageObserver},
+    untangler::Untangler,
+};
+use untangled_lab::{Failure, clock::milliseconds, table::print_header};
+use untangled_testkit::generate::{
+    Sheet, crumpled_further,
+    furrows::{Furrows, folded},
 };
 
 /// Processor time of each stage.
@@ -41,7 +46,8 @@ pub(crate) struct Measured {
     pub(crate) next: Duration,
 }
 
-/// Measures frames from nothing, and frames that follow one another, in which waves of a hundredth of an edge run through the cloth.
+/// Measures frames from nothing, and frames that follow one another, in which waves of a hundredth of an edge run
+/// through the cloth.
 pub(crate) fn measure(mesh: Mesh, positions: &[[f64; 3]], edge: f64, num_rounds: usize) -> Result<Measured, Failure> {
     let mesh = Arc::new(mesh);
     let frame = Frame::new(&mesh, positions)?;
@@ -82,7 +88,7 @@ pub(crate) fn measure(mesh: Mesh, positions: &[[f64; 3]], edge: f64, num_rounds:
 }
 
 /// The same for a sheet.
-pub(crate) fn measure_sheet(sheet: &sheet::Sheet, num_rounds: usize) -> Result<Measured, Failure> {
+pub(crate) fn measure_sheet(sheet: &Sheet, num_rounds: usize) -> Result<Measured, Failure> {
     let edge = (2.0 / sheet.faces.len() as f64).sqrt();
     measure(sheet.mesh(), &sheet.positions, edge, num_rounds)
 }
@@ -91,12 +97,13 @@ pub(crate) fn measure_sheet(sheet: &sheet::Sheet, num_rounds: usize) -> Result<M
 pub(crate) fn paper_table() -> Result<(), Failure> {
     println!("\n## The paper's Table 1\n");
     println!(
-        "Generated states with about the paper's numbers, in its columns: triangles, paths, segments and vertices inside; milliseconds for segments, paths \
-         (with regions) and fits (with targets). `all` is a whole cold frame, forces included, `next` one that follows another; `paper` the sum of its \
-         three columns on a Pentium 4 of 3 GHz. Folded sheets hang through themselves in narrow furrows, as many as the paper has paths; crumpled \
-         ones have wider and fewer regions, of all types.\n"
+        "Generated states with about the paper's numbers, in its columns: triangles, paths, segments and vertices \
+         inside; milliseconds for segments, paths (with regions) and fits (with targets). `all` is a whole cold frame, \
+         forces included, `next` one that follows another; `paper` the sum of its three columns on a Pentium 4 of 3 \
+         GHz. Folded sheets hang through themselves in narrow furrows, as many as the paper has paths; crumpled ones \
+         have wider and fewer regions, of all types.\n"
     );
-    header(&[
+    print_header(&[
         "state",
         "#Tri",
         "#Paths",
@@ -116,9 +123,8 @@ pub(crate) fn paper_table() -> Result<(), Failure> {
     let furrows = |resolution, rows, columns, along, across| {
         ("folded", folded(1, resolution, Furrows { rows, columns, along, across }))
     };
-    let crumple = |seed, resolution, frequency, further| {
-        ("crumpled", sheet::crumpled_further(seed, resolution, frequency, further))
-    };
+    let crumple =
+        |seed, resolution, frequency, further| ("crumpled", crumpled_further(seed, resolution, frequency, further));
     // Each with the paper's paths, segments, inside, and the sum of its milliseconds.
     for ((state, sheet), paper) in [
         (crumple(1, 35, 1.5, 2), [4, 154, 147, 32]),
@@ -128,26 +134,31 @@ pub(crate) fn paper_table() -> Result<(), Failure> {
         (furrows(125, 6, 5, 9.0, 1.1), [30, 4540, 1515, 7906]),
         (crumple(2, 125, 2.5, 12), [30, 4540, 1515, 7906]),
     ] {
-        let found = measure_sheet(&sheet, 12)?;
-        let [segments, paths, regions, fits, _] = found.stages;
-        let all = milliseconds(found.whole);
-        println!(
-            "| {state} | {} | {} | {} | {} | {:.2} | {:.2} | {:.2} | {all:.2} | {:.2} | {} | {} | {} | {} | {:.0} |",
-            sheet.faces.len(),
-            found.num_paths,
-            found.num_segments,
-            found.num_inside,
-            milliseconds(segments),
-            milliseconds(paths + regions),
-            milliseconds(fits),
-            milliseconds(found.next),
-            paper[0],
-            paper[1],
-            paper[2],
-            paper[3],
-            f64::from(paper[3]) / all,
-        );
+        paper_row(state, &sheet, paper)?;
     }
+    Ok(())
+}
+
+fn paper_row(state: &str, sheet: &Sheet, paper: [u32; 4]) -> Result<(), Failure> {
+    let found = measure_sheet(sheet, 12)?;
+    let [segments, paths, regions, fits, _] = found.stages;
+    let all = milliseconds(found.whole);
+    println!(
+        "| {state} | {} | {} | {} | {} | {:.2} | {:.2} | {:.2} | {all:.2} | {:.2} | {} | {} | {} | {} | {:.0} |",
+        sheet.faces.len(),
+        found.num_paths,
+        found.num_segments,
+        found.num_inside,
+        milliseconds(segments),
+        milliseconds(paths + regions),
+        milliseconds(fits),
+        milliseconds(found.next),
+        paper[0],
+        paper[1],
+        paper[2],
+        paper[3],
+        f64::from(paper[3]) / all,
+    );
     Ok(())
 }
 
@@ -155,7 +166,7 @@ pub(crate) fn paper_table() -> Result<(), Failure> {
 pub(crate) fn growth_table() -> Result<(), Failure> {
     println!("\n## Growth with the number of paths\n");
     println!("One sheet of 31,250 triangles, crumpled more and more. Microseconds of a stage for what it works on.\n");
-    header(&[
+    print_header(&[
         "paths",
         "segments",
         "inside",
@@ -167,7 +178,7 @@ pub(crate) fn growth_table() -> Result<(), Failure> {
         "all ms",
     ]);
     for (seed, frequency, further) in [(2, 1.5, 0), (2, 2.5, 3), (1, 4.0, 0), (1, 6.0, 12)] {
-        let sheet = sheet::crumpled_further(seed, 125, frequency, further);
+        let sheet = crumpled_further(seed, 125, frequency, further);
         let found = measure_sheet(&sheet, 5)?;
         let [search, paths, regions, targets, forces] = found.stages.map(milliseconds);
         let (segments, points) = (found.num_segments as f64, (found.num_segments + found.num_inside) as f64);

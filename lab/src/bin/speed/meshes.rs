@@ -1,31 +1,31 @@
 //! Whole frames of real meshes, where they are.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
-use untangled_mesh_io::{concatenate, read_mesh};
 use untangle::mesh::Mesh;
+use untangled_lab::{Failure, clock::milliseconds, table::print_header};
+use untangled_mesh_io::{concatenate, read_mesh};
+use untangled_testkit::files::shared;
 
-use crate::{Failure, frames::measure, header, milliseconds};
-
-/// A folder of meshes beside the checkout.
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+use crate::frames::measure;
 
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## Real meshes\n");
-    let mut files: Vec<PathBuf> = match std::fs::read_dir(FOLDER) {
-        Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),
-        Err(_) => {
-            println!("Left out: there is no folder ../shared/data beside the checkout.");
-            return Ok(());
-        }
+    let Some(folder) = shared("data") else {
+        println!("Left out: there is no folder ../shared/data beside the checkout.");
+        return Ok(());
     };
+    let mut files: Vec<PathBuf> = fs::read_dir(folder)?.flatten().map(|entry| entry.path()).collect();
     files.retain(|file| file.extension().is_some_and(|kind| kind == "obj" || kind == "ply"));
     files.sort();
     println!(
-        "The meshes of ../shared/data as they are, on one thread; milliseconds of the stages of a cold frame, of all of it, and of one that follows another in which \
-         waves of a hundredth of an edge run through the cloth.\n"
+        "The meshes of ../shared/data as they are, on one thread; milliseconds of the stages of a cold frame, of all \
+         of it, and of one that follows another in which waves of a hundredth of an edge run through the cloth.\n"
     );
-    header(&[
+    print_header(&[
         "mesh", "#Tri", "#Paths", "#Seg", "#In", "search", "paths", "regions", "targets", "response", "all", "next",
     ]);
     for file in files {

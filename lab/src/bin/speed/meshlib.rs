@@ -7,11 +7,20 @@ use std::{
     time::Duration,
 };
 
-use untangle::{frame::Frame, intersect::{Intersections, Intersector, SegmentEnd}, mesh::Mesh};
+use untangle::{
+    frame::Frame,
+    intersect::{Intersections, Intersector, SegmentEnd},
+    mesh::Mesh,
+};
+use untangled_lab::{
+    Failure,
+    clock::{milliseconds, timed},
+    states::bent,
+    table::print_header,
+};
+use untangled_testkit::generate::crumpled;
 
-use crate::{Failure, bent, header, milliseconds, sheet, timed};
-
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/speed/contender.py");
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bin/speed/contender.py");
 
 /// The variable that names the Python.
 const PYTHON: &str = "MESHLIB_PYTHON";
@@ -22,23 +31,25 @@ pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
     let has = Command::new(&python).args(["-c", "import meshlib, numpy"]).stderr(Stdio::null()).status();
     if !has.is_ok_and(|status| status.success()) {
         println!(
-            "Left out: {python} has no packages meshlib and numpy; {PYTHON} names another one (`--only meshlib` makes this part alone)."
+            "Left out: {python} has no packages meshlib and numpy; {PYTHON} names another one (`--only meshlib` makes \
+             this part alone)."
         );
         return Ok(());
     }
     println!(
-        "`findSelfCollidingTriangles` of MeshLib (PyPI, through Python) on one core after a refit of its tree over all vertices, in turns with a cold search \
-         here. Pairs that share a vertex are left out of the count: MeshLib looks at few of them. Its coordinates are of single precision.\n"
+        "`findSelfCollidingTriangles` of MeshLib (PyPI, through Python) on one core after a refit of its tree over all \
+         vertices, in turns with a cold search here. Pairs that share a vertex are left out of the count: MeshLib \
+         looks at few of them. Its coordinates are of single precision.\n"
     );
-    header(&["triangles", "state", "pairs", "MeshLib's pairs", "cold ms", "MeshLib ms", "MeshLib / cold"]);
+    print_header(&["triangles", "state", "pairs", "MeshLib's pairs", "cold ms", "MeshLib ms", "MeshLib / cold"]);
     for &resolution in resolutions.iter().filter(|&&resolution| resolution <= 500) {
-        let crumpled = sheet::crumpled(11, resolution);
-        let mesh = crumpled.mesh();
-        for (state, positions) in [("untangled", bent(&crumpled)), ("tangled", crumpled.positions.clone())] {
+        let sheet = crumpled(11, resolution);
+        let mesh = sheet.mesh();
+        for (state, positions) in [("untangled", bent(&sheet)), ("tangled", sheet.positions.clone())] {
             // What single precision holds, so that both see the same numbers.
             #[expect(clippy::cast_possible_truncation, reason = "that is what it is for")]
             let positions: Vec<_> = positions.iter().map(|point| point.map(|x| f64::from(x as f32))).collect();
-            row(&python, &mesh, &crumpled.faces, state, &positions)?;
+            row(&python, &mesh, &sheet.faces, state, &positions)?;
         }
     }
     Ok(())

@@ -2,10 +2,17 @@
 
 use std::sync::Arc;
 
-use untangle::{frame::Frame, mesh::{Mesh, MeshDescription, Uvs}, settings::{Response, Settings}, untangler::Untangler};
+use untangle::{
+    frame::Frame,
+    mesh::{Mesh, MeshDescription, Uvs},
+    settings::{Response, Settings},
+    untangler::Untangler,
+};
+use untangled_lab::{Failure, states::bent, table::print_header};
 use untangled_publisher::scenes::Scene;
+use untangled_testkit::generate::crumpled_further;
 
-use crate::{Failure, bent, frames::Stopwatch, header, sheet};
+use crate::frames::Stopwatch;
 
 /// One row.
 struct Case {
@@ -18,11 +25,12 @@ struct Case {
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## Only what the scene requires\n");
     println!(
-        "Microseconds of each stage of a second frame, and the bytes for each triangle that analysis and response keep after the first. A stage that has nothing to \
-         do takes less than a microsecond, but for writing a zero for each vertex of the correction. The daemon encodes and \
-         publishes paths only for frames on which somebody listens to them.\n"
+        "Microseconds of each stage of a second frame, and the bytes for each triangle that analysis and response keep \
+         after the first. A stage that has nothing to do takes less than a microsecond, but for writing a zero for \
+         each vertex of the correction. The daemon encodes and publishes paths only for frames on which somebody \
+         listens to them.\n"
     );
-    header(&[
+    print_header(&[
         "scene",
         "response",
         "triangles",
@@ -42,7 +50,7 @@ pub(crate) fn table() -> Result<(), Failure> {
 
 /// Generated sheets, with one thing after the other left out.
 fn sheets() -> Vec<Case> {
-    let crumpled = sheet::crumpled_further(2, 35, 2.5, 12);
+    let crumpled = crumpled_further(2, 35, 2.5, 12);
     let case = |name: &str, response, mesh, positions: &[[f64; 3]]| Case {
         name: name.to_owned(),
         response,

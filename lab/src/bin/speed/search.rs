@@ -7,20 +7,29 @@ use parry3d_f64::{
     math::Vector,
     partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace},
 };
-use untangle::{frame::Frame, intersect::{Intersections, Intersector, do_intersect}, mesh::{FaceId, Mesh}};
-
-use crate::{Failure, bent, header, later, milliseconds, sheet, timed};
+use untangle::{
+    frame::Frame,
+    intersect::{Intersections, Intersector, do_intersect},
+    mesh::{FaceId, Mesh},
+};
+use untangled_lab::{
+    Failure,
+    clock::{milliseconds, timed},
+    states::{bent, later},
+    table::print_header,
+};
+use untangled_testkit::generate::{Sheet, crumpled};
 
 pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
     println!("\n## Broad and narrow phase\n");
     println!(
-        "All intersecting pairs of a frame on one thread. `cold`: from nothing but the sorted tree. `coherent`: the mean of 100 frames in which the sheet moves on by \
-         five edges and waves of a hundredth of an edge run through it; the same bytes come out. `boxes`: parry3d's refit and traversal, \
-         without any test of faces; `parry`: with `do_intersect` for each pair, which proves faces apart as `cold` does \
-         but takes those that share a vertex pair by pair; all found the same pairs. `bytes`: memory kept for each triangle, \
-         cold and coherent together.\n"
+        "All intersecting pairs of a frame on one thread. `cold`: from nothing but the sorted tree. `coherent`: the \
+         mean of 100 frames in which the sheet moves on by five edges and waves of a hundredth of an edge run through \
+         it; the same bytes come out. `boxes`: parry3d's refit and traversal, without any test of faces; `parry`: with \
+         `do_intersect` for each pair, which proves faces apart as `cold` does but takes those that share a vertex \
+         pair by pair; all found the same pairs. `bytes`: memory kept for each triangle, cold and coherent together.\n"
     );
-    header(&[
+    print_header(&[
         "triangles",
         "state",
         "pairs",
@@ -33,22 +42,16 @@ pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
         "bytes",
     ]);
     for &resolution in resolutions {
-        let crumpled = sheet::crumpled(11, resolution);
-        let mesh = crumpled.mesh();
-        for (state, positions) in [("untangled", bent(&crumpled)), ("tangled", crumpled.positions.clone())] {
-            row(&crumpled, &mesh, resolution, state, &positions)?;
+        let sheet = crumpled(11, resolution);
+        let mesh = sheet.mesh();
+        for (state, positions) in [("untangled", bent(&sheet)), ("tangled", sheet.positions.clone())] {
+            row(&sheet, &mesh, resolution, state, &positions)?;
         }
     }
     Ok(())
 }
 
-fn row(
-    crumpled: &sheet::Sheet,
-    mesh: &Mesh,
-    resolution: u32,
-    state: &str,
-    positions: &[[f64; 3]],
-) -> Result<(), Failure> {
+fn row(sheet: &Sheet, mesh: &Mesh, resolution: u32, state: &str, positions: &[[f64; 3]]) -> Result<(), Failure> {
     let frame = Frame::new(mesh, positions)?;
     let mut contender = Contender::new(mesh, &frame);
     let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
@@ -68,11 +71,29 @@ fn row(
         return Err(format!("{} pairs against {}", contender.num_found, found.segments.len()).into());
     }
     let num_pairs = found.segments.len();
-    drop(intersector);
-    let mut intersector = Intersector::default();
-    let mut coherent = Duration::ZERO;
-    let frames = (0..104).map(|number| Frame::new(mesh, &later(crumpled, positions, resolution, number)));
-    let mut bytes = 0;
+    let (coherent, bytes) = coherent_search(sheet, mesh, resolution, positions)?;
+    let [cold, boxes, parry] = best.map(milliseconds);
+    println!(
+        "| {} | {state} | {num_pairs} | {cold:.2} | {:.2} | {boxes:.2} | {parry:.2} | {:.1} | {:.1} | {:.0} |",
+        mesh.num_faces(),
+        milliseconds(coherent),
+        parry / cold,
+        cold / milliseconds(coherent),
+        bytes as f64 / mesh.num_faces() as f64,
+    );
+    Ok(())
+}
+
+/// Mean time of a search that follows others, and the bytes that the intersector keeps.
+fn coherent_search(
+    sheet: &Sheet,
+    mesh: &Mesh,
+    resolution: u32,
+    positions: &[[f64; 3]],
+) -> Result<(Duration, i64), Failure> {
+    let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
+    let (mut coherent, mut bytes) = (Duration::ZERO, 0);
+    let frames = (0..104).map(|number| Frame::new(mesh, &later(sheet, positions, resolution, number)));
     for (number, frame) in frames.enumerate() {
         let frame = frame?;
         let mut time = Duration::ZERO;
@@ -84,16 +105,7 @@ fn row(
             coherent += time / 100;
         }
     }
-    let [cold, boxes, parry] = best.map(milliseconds);
-    println!(
-        "| {} | {state} | {num_pairs} | {cold:.2} | {:.2} | {boxes:.2} | {parry:.2} | {:.1} | {:.1} | {:.0} |",
-        mesh.num_faces(),
-        milliseconds(coherent),
-        parry / cold,
-        cold / milliseconds(coherent),
-        bytes as f64 / mesh.num_faces() as f64,
-    );
-    Ok(())
+    Ok((coherent, bytes))
 }
 
 /// parry's tree over the boxes of all faces.

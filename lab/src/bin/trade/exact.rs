@@ -6,7 +6,12 @@ use cpu_time::ThreadTime;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use untangle::{frame::Frame, intersect::{Intersections, Intersector}, mesh::{Mesh, MeshDescription}, predicates::{Site, side_of_plane}};
+use untangle::{
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::{Mesh, MeshDescription},
+    predicates::{Site, side_of_plane},
+};
 
 /// How four points, or two sheets, lie to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +38,7 @@ pub(crate) struct Cost {
     pub(crate) num_triangles: usize,
     /// Edge-face intersections of the two sheets.
     pub(crate) num_edge_face: usize,
-    /// Milliseconds of a search from nothing.
+    /// Milliseconds of a cold search.
     pub(crate) search_ms: f64,
 }
 
@@ -99,7 +104,8 @@ fn queries(position: Position) -> Vec<[Site; 4]> {
     (0..1000).map(|_| query()).collect()
 }
 
-/// A level sheet and an upright one through the lines of its grid, both turned out of the axes or not; or through the middle of nothing.
+/// A level sheet and an upright one through the lines of its grid, both turned out of the axes or not; or through the
+/// middle of nothing.
 fn crossed_sheets(position: Position, n: u32) -> Result<(Mesh, Frame), Box<dyn Error>> {
     let turn = match position {
         Position::Degenerate => Rotation3::identity(),

@@ -1,7 +1,7 @@
 //! Which points no other point beats.
 
-/// The indices of the points that are not dominated, ascending in the first coordinate: smaller is better in all, and a point is dominated by
-/// one that is at least as good in all and better in one. Of equal points all stay.
+/// The indices of the points that are not dominated, ascending in the first coordinate: smaller is better in all, and a
+/// point is dominated by one that is at least as good in all and better in one. Of equal points all stay.
 pub(crate) fn pareto_front<const N: usize>(points: &[[f64; N]]) -> Vec<usize> {
     let dominates =
         |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b);

@@ -1,13 +1,14 @@
 //! Speed against accuracy: scenes times settings, the Pareto front, and where the presets lie.
 //!
 //! ```sh
-//! cargo run --release --example trade -- [--out DIR] [--steps N] [--seeds N] [--edge METRES] [--repeats N] [--markdown] [FILE...]
-//! cargo run --release --example trade -- --out docs --markdown > docs/TRADE.md
+//! cargo run --release -p untangled-lab --bin trade -- [--out DIR] [--steps N] [--seeds N] [--edge METRES] [--repeats
+//! N] [--markdown] [FILE...] cargo run --release -p untangled-lab --bin trade -- --out docs/results --markdown >
+//! docs/results/trade.md
 //! ```
 //!
-//! Tables go to standard output; `--out` writes `trade.csv`, with a row for each setting and scene, and `trade.svg`. The host is the simulator
-//! of `clients/publisher`, the judge its exact check. Files (OBJ) take the place of its scenes, without gravity and with their own shape at
-//! rest. All but the times is the same every time.
+//! Tables go to standard output; `--out` writes `trade.csv`, with a row for each setting and scene, and `trade.svg`.
+//! The host is the simulator of `clients/publisher`, the judge its exact check. Files (OBJ) take the place of its
+//! scenes, without gravity and with their own shape at rest. All but the times is the same every time.
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,
@@ -19,11 +20,10 @@ mod document;
 mod exact;
 mod front;
 mod plot;
+mod report;
 mod run;
 mod setup;
 mod study;
-#[path = "../support/mod.rs"]
-mod support;
 mod table;
 mod targets;
 #[cfg(test)]
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gallery = Plan { scenes: generated(&["gallery"], seeds, edge_m)?, ..plan.clone() };
     let finer = Plan { scenes: generated(&scenes::Scene::SINGLE, 1, 0.5 * edge_m)?, repeats: 1, ..plan.clone() };
     let document = Document::measure(&Plans { main: plan, gallery, finer, resolution: 100 })?;
-    print!("{}", if markdown { document.markdown(edge_m, seeds) } else { document.plain() });
+    print!("{}", if markdown { report::markdown(&document, edge_m, seeds) } else { document.plain() });
     if let Some(out) = out {
         fs::create_dir_all(&out)?;
         fs::write(Path::new(&out).join("trade.csv"), document.csv())?;

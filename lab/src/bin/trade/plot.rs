@@ -49,8 +49,8 @@ impl Axis {
     }
 }
 
-/// The picture: a point for each of the grid, rings for the presets, a line along the front of what a session chooses, a dashed one along
-/// that of what the host chooses besides.
+/// The picture: a point for each of the grid, rings for the presets, a line along the front of what a session chooses,
+/// a dashed one along that of what the host chooses besides.
 pub(crate) fn svg(grid: &[Measured], presets: &[Measured], limit: usize) -> String {
     let [left, right, top, bottom] = FIELD;
     let all = || grid.iter().chain(presets);
@@ -60,8 +60,9 @@ pub(crate) fn svg(grid: &[Measured], presets: &[Measured], limit: usize) -> Stri
     ];
     let place = |one: &Measured| [axes[0].at(one.all.ms_per_frame), axes[1].at(one.all.frames)];
     let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"Helvetica, Arial, sans-serif\" \
-         font-size=\"12\" fill=\"{INK}\">\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"Helvetica, Arial, \
+         sans-serif\" font-size=\"12\" fill=\"{INK}\">\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" \
+         fill=\"#ffffff\"/>\n"
     );
     draw_axes(&mut text, axes, limit);
 
@@ -148,12 +149,14 @@ fn draw_axes(text: &mut String, [across, up]: [Axis; 2], limit: usize) {
     );
     let _ = writeln!(
         text,
-        "<text transform=\"translate(22 {}) rotate(-90)\" text-anchor=\"middle\">frames to clean (not clean: {limit})</text>",
+        "<text transform=\"translate(22 {}) rotate(-90)\" text-anchor=\"middle\">frames to clean (not clean: \
+         {limit})</text>",
         0.5 * (top + bottom)
     );
     let _ = writeln!(
         text,
-        "<text x=\"{left}\" y=\"28\" font-size=\"15\" font-weight=\"bold\">Time of a frame against frames to clean, mean over all scenes</text>"
+        "<text x=\"{left}\" y=\"28\" font-size=\"15\" font-weight=\"bold\">Time of a frame against frames to clean, \
+         mean over all scenes</text>"
     );
 }
 

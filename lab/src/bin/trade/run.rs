@@ -4,17 +4,21 @@ use std::{error::Error, sync::Arc, time::Duration};
 
 use cpu_time::ThreadTime;
 use nalgebra::{Point3, Vector3};
-use untangle::{stage::{Stage, StageObserver}, frame::Frame, respond::Corrections, settings::Response, untangler::Untangler};
+use untangle::{
+    frame::Frame,
+    respond::Corrections,
+    settings::Response,
+    stage::{Stage, StageObserver},
+    untangler::Untangler,
+};
+use untangled_lab::host::{DT_S, Taken, mesh_of};
 use untangled_publisher::{
     check::count_edge_face,
     mesh::{Cloth, to_f32},
     solver::{Parameters, Solver},
 };
 
-use crate::{
-    setup::{Between, Setup, Wire},
-    support::host::{DT_S, Taken, mesh_of},
-};
+use crate::setup::{Between, Setup, Wire};
 
 /// A scene is clean once it stays so for as many frames more.
 pub(crate) const HELD: usize = 5;
@@ -130,8 +134,8 @@ pub(crate) fn sent(mut points: Vec<[f64; 3]>, wire: Wire) -> Vec<[f64; 3]> {
     points
 }
 
-/// What is left of momentum and angular momentum, as parts of the sums of lengths. Forces are looked at before the limit and the pins, as in
-/// the correction's header; displacements, of which no such sums are kept, as they are.
+/// What is left of momentum and angular momentum, as parts of the sums of lengths. Forces are looked at before the
+/// limit and the pins, as in the correction's header; displacements, of which no such sums are kept, as they are.
 fn residuals(frame: &Frame, corrections: &Corrections, response: Response) -> [f64; 2] {
     let centre: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
     #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]

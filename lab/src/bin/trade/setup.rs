@@ -1,8 +1,7 @@
 //! What is compared: settings of the untangler, and what a host does with it.
 
 use untangle::settings::{InsideChoice, Quality, Response, Settings};
-
-use crate::support::Knowledge;
+use untangled_testkit::generate::mirrored::Knowledge;
 
 /// What a host does in the frames for which it asks nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -49,7 +49,8 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// What the front is about: time of a frame, frames to clean, what remains, and how far targets are off; smaller is better in all.
+    /// What the front is about: time of a frame, frames to clean, what remains, and how far targets are off; smaller is
+    /// better in all.
     pub(crate) fn costs(&self) -> [f64; 4] {
         let Figures { ms_per_frame, frames, remaining, .. } = self.all;
         [ms_per_frame, frames, remaining, self.targets.map_or(f64::INFINITY, |errors| errors.mean)]
@@ -72,6 +73,31 @@ pub(crate) fn measure(plan: &Plan, variants: &[Variant]) -> Result<Vec<Measured>
             setups.push(&variant.setup);
         }
     }
+    let runs = run_all(plan, &setups)?;
+    let mut errors: Vec<(Setup, Option<TargetErrors>)> = Vec::new();
+    for setup in &setups {
+        let of_one_frame = of_one_frame(setup);
+        if !errors.iter().any(|(known, _)| *known == of_one_frame) {
+            let found = targets::measure(&of_one_frame, &plan.target_edges_m)?;
+            errors.push((of_one_frame, found));
+        }
+    }
+    let measured = |variant: &Variant| {
+        let index = setups.iter().position(|&setup| *setup == variant.setup)?;
+        let runs: Vec<(&Scene, Run)> = plan.scenes.iter().zip(runs[index].iter().copied()).collect();
+        let scenes = runs.chunk_by(|a, b| a.0.name == b.0.name);
+        Some(Measured {
+            variant: variant.clone(),
+            scenes: scenes.map(|runs| (runs[0].0.name.clone(), figures(runs, plan.limit))).collect(),
+            all: figures(&runs, plan.limit),
+            targets: errors.iter().find(|(known, _)| *known == of_one_frame(setups[index]))?.1,
+        })
+    };
+    Ok(variants.iter().filter_map(measured).collect())
+}
+
+/// The runs of each setup on each scene; of the times of repeated runs the least.
+fn run_all(plan: &Plan, setups: &[&Setup]) -> Result<Vec<Vec<Run>>, Box<dyn Error>> {
     // One thread, so that its processor time is all the time there is.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); setups.len()];
@@ -96,26 +122,7 @@ pub(crate) fn measure(plan: &Plan, variants: &[Variant]) -> Result<Vec<Measured>
         }
     }
     eprintln!();
-    let mut errors: Vec<(Setup, Option<TargetErrors>)> = Vec::new();
-    for setup in &setups {
-        let of_one_frame = of_one_frame(setup);
-        if !errors.iter().any(|(known, _)| *known == of_one_frame) {
-            let found = targets::measure(&of_one_frame, &plan.target_edges_m)?;
-            errors.push((of_one_frame, found));
-        }
-    }
-    let measured = |variant: &Variant| {
-        let index = setups.iter().position(|&setup| *setup == variant.setup)?;
-        let runs: Vec<(&Scene, Run)> = plan.scenes.iter().zip(runs[index].iter().copied()).collect();
-        let scenes = runs.chunk_by(|a, b| a.0.name == b.0.name);
-        Some(Measured {
-            variant: variant.clone(),
-            scenes: scenes.map(|runs| (runs[0].0.name.clone(), figures(runs, plan.limit))).collect(),
-            all: figures(&runs, plan.limit),
-            targets: errors.iter().find(|(known, _)| *known == of_one_frame(setups[index]))?.1,
-        })
-    };
-    Ok(variants.iter().filter_map(measured).collect())
+    Ok(runs)
 }
 
 /// The part of a setup that one frame's targets depend on.

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
-use super::{Document, GRAVITY_M_S2, Plan, Plans, Scene, generated, setup};
+use super::{Document, GRAVITY_M_S2, Plan, Plans, Scene, generated, report, setup};
 
 fn plan(names: &[&str]) -> Plan {
     Plan { scenes: generated(names, 1, 0.06).unwrap(), target_edges_m: vec![0.1], limit: 6, repeats: 2 }
@@ -29,7 +29,7 @@ fn every_setting_has_finite_figures_in_all_outputs() {
         }
     }
     let groups = [setup::presets(), setup::single_factors(), setup::grid(), setup::deadlines(), setup::responses()];
-    let markdown = document.markdown(0.06, 1);
+    let markdown = report::markdown(&document, 0.06, 1);
     assert!(markdown.contains("When to choose which") && !markdown.contains("NaN"));
     for variant in groups.iter().flatten() {
         let own = rows.iter().filter(|row| row[0] == variant.axis && row[1] == variant.value);

@@ -1,0 +1,53 @@
+//! What holds for everything that was accepted.
+
+use untangle::{
+    frame::Frame,
+    mesh::{FaceId, Mesh},
+    respond::VertexFlags,
+    untangler::Untangler,
+};
+use untangled_mesh_io::MeshFile;
+
+/// A mesh: its adjacency is consistent.
+pub(super) fn check_mesh(mesh: &Mesh) {
+    for k in 0..mesh.num_faces() {
+        let face = FaceId(k as u32);
+        let corners = mesh.face(face);
+        // A face with a repeated index is ignored.
+        let ignored = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+        for vertex in corners {
+            assert!(vertex.index() < mesh.num_vertices());
+            assert_eq!(mesh.vertex_faces(vertex).contains(&face), !ignored, "a face is round its corners");
+        }
+    }
+}
+
+/// A frame: its answer is complete, finite, and the same each time.
+pub(super) fn check_frame(untangler: &mut Untangler, frame: &Frame) {
+    let n = untangler.mesh().num_vertices();
+    let outcome = untangler.process(frame, &mut ());
+    let (paths, corrections) = (&outcome.analysis.paths, outcome.corrections);
+    let num_segments = outcome.analysis.intersections.segments.len();
+    assert_eq!(paths.pairs.iter().map(|pair| pair.num_segments).sum::<usize>(), num_segments, "segments on paths");
+    for copy in &paths.copies {
+        assert_eq!(paths.copies[copy.partner].pair, copy.pair);
+    }
+    assert_eq!(outcome.analysis.regions.by_copy.len(), paths.copies.len());
+    assert_eq!((corrections.forces.len(), corrections.flags.len()), (n, n));
+    assert!(corrections.forces.iter().flatten().all(|x| x.is_finite()), "forces are finite");
+    let all = VertexFlags::INSIDE.0 | VertexFlags::NEAR_PATH.0 | VertexFlags::CLAMPED.0 | VertexFlags::PINNED.0;
+    assert!(corrections.flags.iter().all(|flags| flags.0 & !all == 0));
+    assert_eq!(corrections.left_out.num_pairs, 0, "nothing is left out without a limit");
+    let first: Vec<_> = corrections.forces.clone();
+    let again = untangler.process(frame, &mut ());
+    assert!(first == again.corrections.forces, "the same frame, the same answer");
+}
+
+/// A mesh file: it is written back byte for byte.
+pub(super) fn check_file(file: &MeshFile, bytes: &[u8]) {
+    assert!(file.faces().iter().flatten().all(|&corner| (corner as usize) < file.positions().len()));
+    let mut written = Vec::new();
+    if file.write_with_positions(file.positions(), &mut written).is_ok() {
+        assert!(written == bytes, "a file is written back as it was");
+    }
+}

@@ -1,0 +1,114 @@
+//! Mesh files that are valid more often than not.
+
+use base64::{Engine, engine::general_purpose::STANDARD};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+use super::grid::grid;
+use crate::files::formats::glb_file;
+
+fn number(rng: &mut ChaCha8Rng) -> String {
+    match rng.random_range(0..20) {
+        0 => format!("{}", f64::from_bits(rng.random())),
+        1 => format!("{:e}", rng.random_range(-1e9..1e9)),
+        _ => format!("{:.3}", rng.random_range(-1.0..1.0)),
+    }
+}
+
+/// OBJ text.
+pub(super) fn obj(rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let n = rng.random_range(1..4u32);
+    let mut text = String::from("# a sheet\nmtllib a.mtl\no sheet\n");
+    for _ in 0..(n + 1) * (n + 1) {
+        text += &format!("v {} {} {}\n", number(rng), number(rng), number(rng));
+    }
+    if rng.random() {
+        text += "vt 0 0\nvt 1 0\nvt 0 1\n";
+    }
+    for face in grid(n) {
+        let corners = face.map(|corner| match rng.random_range(0..8) {
+            0 => format!("{}/1", corner + 1),
+            1 => format!("-{}", (n + 1) * (n + 1) - corner),
+            2 => format!("{}//1", corner + 1),
+            _ => format!("{}", corner + 1),
+        });
+        text += &format!("f {}{}\n", corners.join(" "), if rng.random_bool(0.1) { " 1" } else { "" });
+    }
+    text.into_bytes()
+}
+
+/// PLY, as text or binary, in either byte order and precision.
+pub(super) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let n = rng.random_range(1..4u32);
+    let faces = grid(n);
+    let (kind, big) =
+        [("ascii", false), ("binary_little_endian", false), ("binary_big_endian", true)][rng.random_range(0..3)];
+    let double = rng.random::<bool>();
+    let float = if double { "double" } else { "float" };
+    let mut bytes = format!(
+        "ply\nformat {kind} 1.0\ncomment a sheet\nelement vertex {}\nproperty {float} x\nproperty {float} y\nproperty \
+         {float} z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        (n + 1) * (n + 1),
+        faces.len()
+    )
+    .into_bytes();
+    for _ in 0..(n + 1) * (n + 1) {
+        if kind == "ascii" {
+            bytes.extend(format!("{} {} {}\n", number(rng), number(rng), number(rng)).into_bytes());
+        } else {
+            for _ in 0..3 {
+                let value: f64 = number(rng).parse().unwrap_or(0.0);
+                let mut word =
+                    if double { value.to_le_bytes().to_vec() } else { (value as f32).to_le_bytes().to_vec() };
+                if big {
+                    word.reverse();
+                }
+                bytes.extend(word);
+            }
+        }
+    }
+    for face in faces {
+        if kind == "ascii" {
+            bytes.extend(format!("3 {} {} {}\n", face[0], face[1], face[2]).into_bytes());
+        } else {
+            bytes.push(3);
+            bytes.extend(face.iter().flat_map(|i| if big { i.to_be_bytes() } else { i.to_le_bytes() }));
+        }
+    }
+    bytes
+}
+
+/// glTF with its buffer in the document, or GLB.
+pub(super) fn gltf(rng: &mut ChaCha8Rng, binary: bool) -> Vec<u8> {
+    let n = rng.random_range(1..3u32);
+    let (num_vertices, faces) = ((n + 1) * (n + 1), grid(n));
+    let mut data: Vec<u8> = Vec::new();
+    for _ in 0..num_vertices * 3 {
+        data.extend(number(rng).parse().unwrap_or(0.0f32).to_le_bytes());
+    }
+    let positions = data.len();
+    data.extend(faces.iter().flatten().flat_map(|i| i.to_le_bytes()));
+    let mut document = json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": data.len()}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": positions},
+            {"buffer": 0, "byteOffset": positions, "byteLength": data.len() - positions},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": num_vertices, "type": "VEC3",
+             "min": [-1, -1, -1], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5125, "count": 3 * faces.len(), "type": "SCALAR"},
+        ],
+    });
+    if binary {
+        return glb_file(document.to_string().into_bytes(), data);
+    }
+    document["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&data)).into();
+    document.to_string().into_bytes()
+}

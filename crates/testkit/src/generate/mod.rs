@@ -1,0 +1,14 @@
+//! Generated meshes with positions. The same seed gives the same bits.
+
+pub mod degenerate;
+mod fan;
+pub mod furrows;
+pub mod mirrored;
+mod relabel;
+mod sheet;
+pub mod waves;
+
+pub use fan::fan;
+pub use relabel::{Relabelled, relabelled, reordered};
+pub use sheet::{Sheet, folded, squares};
+pub use waves::{crumpled, crumpled_further};

@@ -1,0 +1,54 @@
+//! Compilers, interpreters and their files.
+
+use std::{
+    env,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+};
+
+use crate::{files::repository, process::build_folder};
+
+/// A folder of this name below the target folder, kept from run to run.
+pub fn scratch(name: &str) -> PathBuf {
+    let build = build_folder();
+    // Cargo marks its target folder.
+    let target = build.ancestors().find(|folder| folder.join("CACHEDIR.TAG").is_file()).unwrap_or(&build);
+    let folder = target.join("tmp").join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Whether a program is there; says what is skipped where it is not.
+pub fn has(program: &str, skipped: &str) -> bool {
+    let there = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        eprintln!("SKIPPED: {skipped}: there is no {program} on this machine");
+    }
+    there
+}
+
+/// Runs a command and returns what it said; its failure is the test's.
+pub fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{command:?}: {}\n{out}\n{err}", output.status);
+    output
+}
+
+/// The folder of this build's libraries for C and Python. Cargo makes libraries for other languages only where they are
+/// asked for, so they are asked for here, with this very selection of packages and profile, for which everything below
+/// them is built already.
+pub fn libraries() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = build_folder();
+        let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        cargo.current_dir(repository()).args(["build", "--locked", "--quiet", "--workspace", "--lib", "--tests"]);
+        if folder.ends_with("release") {
+            cargo.arg("--release");
+        }
+        run(cargo.env("CARGO_TARGET_DIR", folder.parent().unwrap()));
+        folder
+    })
+}

@@ -1,0 +1,7 @@
+//! What an answer is held against.
+
+pub mod brute_force;
+pub mod rules;
+mod summary;
+
+pub use summary::{PairSummary, Summary, summary};

@@ -1,0 +1,5 @@
+//! What must not change an analysis.
+
+mod coherence;
+mod degenerate;
+mod properties;

@@ -1,0 +1,5 @@
+//! Analyses against brute force, another tree, and known answers.
+
+mod brute_force;
+mod known_answers;
+mod second_broad_phase;

@@ -1,0 +1,4 @@
+//! What is inside of a path.
+
+mod inside_choice;
+mod topology;

@@ -1,0 +1,65 @@
+//! `untangled demo` as a user runs it: two processes, shared memory, files.
+
+use std::{fs, process::Command};
+
+use untangled_publisher::{check::count_edge_face, obj};
+use untangled_testkit::process::untangled;
+
+#[test]
+fn demo_ends_clean_and_writes_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(untangled())
+        .args(["demo", "--frames", "100", "--out"])
+        .arg(folder.path())
+        .args(["--", "--scene", "crease", "--edge-m", "0.04"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("it stays tangled"), "the control came clean by itself: {said}");
+    for (name, clean) in [("before", false), ("after", true)] {
+        let cloth = obj::read(&folder.path().join(name).with_extension("obj")).unwrap();
+        assert_eq!(count_edge_face(&cloth.points(), &cloth.triangles) == Ok(0), clean, "{name}");
+        let picture = fs::read(folder.path().join(name).with_extension("png")).unwrap();
+        assert!(picture.starts_with(b"\x89PNG") && picture.len() > 1000);
+    }
+}
+
+/// Each type of path, by daemon and host, with the control that shows that nothing falls out of its tangle by itself.
+#[test]
+fn demo_of_each_path_type_ends_clean() {
+    for (scene, path_type) in [
+        ("bag", "CLOSED"),
+        ("tongue", "BB/II"),
+        ("curtains", "BI/BI"),
+        ("crease", "LL"),
+        ("twist", "BLI"),
+        ("drop", "EIGHT"),
+        ("wedge", "CROSS"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Command::new(untangled())
+            .args(["demo", "--frames", "100", "--out"])
+            .arg(folder.path())
+            .args(["--", "--edge-m", "0.04", "--scene", scene])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{scene}: {said}{}", String::from_utf8_lossy(&output.stderr));
+        assert!(said.contains("it stays tangled"), "{scene} came clean by itself: {said}");
+        assert!(said.contains(path_type), "{scene} without {path_type}: {said}");
+        let cloth = obj::read(&folder.path().join("after.obj")).unwrap();
+        assert_eq!(count_edge_face(&cloth.points(), &cloth.triangles), Ok(0), "{scene}");
+    }
+}
+
+#[test]
+fn demo_of_a_file_that_is_no_mesh_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("broken.obj");
+    fs::write(&file, "v 0 0 0\nf 1 2 3\n").unwrap();
+    let output = Command::new(untangled()).args(["demo", "--out"]).args([folder.path(), &file]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("broken.obj:2: "), "{said}");
+}

@@ -1,0 +1,10 @@
+//! `untangled` as a user or a script runs it.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod check;
+mod check_formats;
+mod demo;
+mod fix;
+mod fix_files;
+mod fix_inputs;
+mod mesh_folder;

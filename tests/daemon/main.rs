@@ -1,0 +1,12 @@
+//! The daemon as a process, with clients that behave and others.
+#![expect(clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and its zeros are exact")]
+
+mod faults;
+mod fuzz;
+mod machine;
+mod protocol_v1;
+mod refusals;
+mod restarts;
+mod sessions;
+mod timing;
+mod watching;
