@@ -37,7 +37,7 @@ pub(crate) fn table() -> Result<(), Failure> {
                 };
                 let positions: Vec<[f64; 3]> = pair[0].iter().zip(&pair[1]).map(mix).collect();
                 let frame = Frame::new(&mesh, &positions)?;
-                cold.forget();
+                cold.clear_cache();
                 let times = [
                     timed(|| cold.intersect(&mesh, &frame, &mut found)),
                     timed(|| kept.intersect(&mesh, &frame, &mut found)),
