@@ -136,7 +136,7 @@ impl Lanes for Avx2F32x8 {
 
     #[inline(always)]
     fn gt_zero_mask(self, a: f32x8) -> u32 {
-        self.mask_bits(self.gt(a, self.0.splat_f32x8(0.0)))
+        self.mask_bits(pulp::cast(self.0.cmp_gt_f32x8(a, self.0.splat_f32x8(0.0))))
     }
 
     #[inline(always)]
@@ -175,13 +175,13 @@ impl F32x8Lanes for Avx2F32x8 {
     }
 
     #[inline(always)]
-    fn gt(self, a: f32x8, b: f32x8) -> u32x8 {
-        pulp::cast(self.0.cmp_gt_f32x8(a, b))
+    fn le(self, a: f32x8, b: f32x8) -> u32x8 {
+        pulp::cast(self.0.cmp_le_f32x8(a, b))
     }
 
     #[inline(always)]
-    fn or(self, a: u32x8, b: u32x8) -> u32x8 {
-        self.0.or_u32x8(a, b)
+    fn and(self, a: u32x8, b: u32x8) -> u32x8 {
+        self.0.and_u32x8(a, b)
     }
 
     #[inline(always)]

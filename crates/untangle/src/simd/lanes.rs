@@ -78,9 +78,9 @@ pub(crate) trait F32x8Lanes: Lanes {
     /// component makes a row one load.
     fn gather(self, rows: &[[f32; 4]], indices: &[u32; F32_LANES]) -> [Self::Vector; 3];
 
-    /// The lanes where `a > b`.
-    fn gt(self, a: Self::Vector, b: Self::Vector) -> Self::Mask;
-    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// The lanes where `a <= b`.
+    fn le(self, a: Self::Vector, b: Self::Vector) -> Self::Mask;
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
 
     /// One bit for each lane of a mask.
     fn mask_bits(self, mask: Self::Mask) -> u32;

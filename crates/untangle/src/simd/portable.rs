@@ -161,7 +161,8 @@ impl Lanes for ArrayF32x8 {
 }
 
 impl F32x8Lanes for ArrayF32x8 {
-    type Mask = [bool; F32_LANES];
+    /// All bits of a lane are set or none, as vector instructions leave it.
+    type Mask = [u32; F32_LANES];
 
     #[inline(always)]
     fn load(self, row: &[f32; F32_LANES]) -> Self::Vector {
@@ -185,25 +186,25 @@ impl F32x8Lanes for ArrayF32x8 {
     }
 
     #[inline(always)]
-    fn gt(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
-        let mut mask = [false; F32_LANES];
+    fn le(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
+        let mut mask = [0; F32_LANES];
         for ((mask, a), b) in mask.iter_mut().zip(a).zip(b) {
-            *mask = a > b;
+            *mask = if a <= b { u32::MAX } else { 0 };
         }
         mask
     }
 
     #[inline(always)]
-    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
         let mut mask = a;
         for (mask, b) in mask.iter_mut().zip(b) {
-            *mask |= b;
+            *mask &= b;
         }
         mask
     }
 
     #[inline(always)]
     fn mask_bits(self, mask: Self::Mask) -> u32 {
-        mask.iter().enumerate().fold(0, |bits, (lane, &is_set)| bits | (u32::from(is_set) << lane))
+        mask.iter().enumerate().fold(0, |bits, (lane, &all)| bits | (all & (1 << lane)))
     }
 }

@@ -50,7 +50,7 @@ fn f32_masks<L: F32x8Lanes>(simd: L, rows: &[[f32; 4]], indices: &[u32; F32_LANE
     let mut masks = Vec::new();
     for a in results {
         masks.push(simd.gt_zero_mask(a));
-        masks.extend(results.map(|b| simd.mask_bits(simd.or(simd.gt(a, b), simd.gt(simd.mul(b, b), a)))));
+        masks.extend(results.map(|b| simd.mask_bits(simd.and(simd.le(a, b), simd.le(simd.mul(b, b), a)))));
     }
     masks
 }

@@ -89,19 +89,19 @@ impl AabbX8 {
     #[inline(always)]
     pub(crate) fn overlap_mask(&self, simd: impl InstructionSet, other: &Aabb) -> u32 {
         let simd = simd.f32x8();
-        let mut outside = self.outside_mask(simd, other, 0);
+        let mut mask = self.overlap_mask_along(simd, other, 0);
         for axis in 1..3 {
-            outside = simd.or(outside, self.outside_mask(simd, other, axis));
+            mask = simd.and(mask, self.overlap_mask_along(simd, other, axis));
         }
-        !simd.mask_bits(outside) & 0xff
+        simd.mask_bits(mask)
     }
 
-    /// The boxes that an axis separates from another one.
+    /// The boxes whose intervals along an axis overlap that of another one.
     #[inline(always)]
-    fn outside_mask<L: F32x8Lanes>(&self, simd: L, other: &Aabb, axis: usize) -> L::Mask {
-        let above = simd.gt(simd.load(&self.min[axis]), simd.splat_f32(other.max[axis]));
-        let below = simd.gt(simd.splat_f32(other.min[axis]), simd.load(&self.max[axis]));
-        simd.or(above, below)
+    fn overlap_mask_along<L: F32x8Lanes>(&self, simd: L, other: &Aabb, axis: usize) -> L::Mask {
+        let begins = simd.le(simd.load(&self.min[axis]), simd.splat_f32(other.max[axis]));
+        let ends = simd.le(simd.splat_f32(other.min[axis]), simd.load(&self.max[axis]));
+        simd.and(begins, ends)
     }
 
     /// Bit `8 i + k` for each pair of box `i` of these and box `k` of `others` that overlap.

@@ -192,9 +192,9 @@ fn left_turn_area(from: Spoke, to: Spoke) -> f64 {
 
 /// How far the centre and both points may move before the turn from one to the other may be no left turn any more.
 ///
-/// Twice the area is `c = a x b`. If everything moves by m or less, a and b change by 2 m, hence c by at most 2 m (|a|
-/// + |b|) + 4 m^2. With m = c / 2.5 (|a| + |b|) and c <= |a| |b| <= (|a| + |b|)^2 / 4 the second term is at most a
-/// fifth of the first, and both are 0.96 c.
+/// Twice the area is `c = a x b`. If everything moves by m or less, a and b change by 2 m, hence c by at most
+/// `2 m (|a| + |b|) + 4 m^2`. With `m = c / 2.5 (|a| + |b|)` and `c <= |a| |b| <= (|a| + |b|)^2 / 4` the second term is
+/// at most a fifth of the first, and both are 0.96 c.
 #[inline(always)]
 fn left_turn_clearance(from: Spoke, to: Spoke) -> f64 {
     let area = left_turn_area(from, to);
