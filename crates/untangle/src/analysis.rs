@@ -52,9 +52,10 @@ impl Analyser {
         &self.analysis
     }
 
-    /// Forgets the last frame, so that the next one is searched from nothing: for measuring, since answers never depend on what came before.
-    pub fn forget(&mut self) {
-        self.intersector.forget();
+    /// Clears what is cached of earlier frames, so that the next one takes a cold search. Answers never depend on it: this is
+    /// for measuring.
+    pub fn clear_cache(&mut self) {
+        self.intersector.clear_cache();
     }
 
     /// The last analysis.

@@ -34,6 +34,8 @@ pub mod stage;
 
 pub mod frame;
 
+mod simd;
+
 pub mod intersect;
 
 pub mod paths;

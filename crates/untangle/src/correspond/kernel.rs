@@ -4,7 +4,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::intersect::lanes::{Lanes, Task, dispatch};
+use crate::simd::{InstructionSet, Task, dispatch};
 
 /// Centres that go through the kernel together. The loops over them have no fixed length, or the compiler would unroll instead of
 /// vectorising them.
@@ -95,7 +95,7 @@ struct Sums<'a> {
 
 impl Task for Sums<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
+    fn run<S: InstructionSet>(self, _: S) {
         let WeightedCentres { places: [xs, ys], weights } = self.centres;
         let mut buffer = [0.0; CHUNK];
         for point in self.points {
@@ -126,7 +126,7 @@ struct Row<'a> {
 
 impl Task for Row<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
+    fn run<S: InstructionSet>(self, _: S) {
         kernels(self.point, &self.centres.places[0], &self.centres.places[1], self.row);
     }
 }

@@ -1,18 +1,14 @@
-//! Proofs in plain arithmetic against exact signs, where the signs are close.
+//! The filters against exact signs, on input where the signs are close.
 
 use super::{
-    boxes::WIDTH,
-    broad::FaceTree,
-    lanes::{Lanes, Portable, Task, dispatch},
-    narrow::{Fan, contact},
-    rings::Rings,
-    separate::{are_apart, are_eight_apart},
-    umbrella::Umbrella,
-    umbrellas::are_open,
+    bvh::{Bvh, WIDTH},
+    exact::{VertexStar, contact_of_disjoint},
+    filter::{OneRings, VertexStarFilter, are_separated, injective_mask_x8, separated_mask_x8},
 };
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, MeshDescription},
+    simd::{InstructionSet, Portable, Task, dispatch},
 };
 
 /// Numbers on a coarse grid, some of them off it by very little, so that much is degenerate or nearly so.
@@ -36,7 +32,7 @@ impl Numbers {
 }
 
 #[test]
-fn triangles_proven_apart_do_not_intersect() {
+fn separating_axis_of_intersecting_triangles_is_never_found() {
     let faces = vec![[0, 1, 2], [3, 4, 5]];
     let mesh = Mesh::new(MeshDescription { num_vertices: 6, faces, ..Default::default() }).unwrap();
     let mut numbers = Numbers(1);
@@ -45,51 +41,51 @@ fn triangles_proven_apart_do_not_intersect() {
         let positions: Vec<_> = (0..6).map(|_| numbers.point()).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
         let (a, b) = ([0, 1, 2].map(|k| positions[k]), [3, 4, 5].map(|k| positions[k]));
-        let meets = contact(&mesh, &frame, [FaceId(0), FaceId(1)]).is_some();
-        let is_proven = are_apart(&a, &b);
-        assert!(!(meets && is_proven), "{positions:?}");
-        counts[if meets { 0 } else { 1 + usize::from(is_proven) }] += 1;
+        let intersects = contact_of_disjoint(&mesh, &frame, [FaceId(0), FaceId(1)]).is_some();
+        let is_proven = are_separated(&a, &b);
+        assert!(!(intersects && is_proven), "{positions:?}");
+        counts[if intersects { 0 } else { 1 + usize::from(is_proven) }] += 1;
     }
-    // Or nothing was proven, or all was easy.
+    // Each of the three cases occurs: intersecting, not proven, proven.
     assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
 }
 
-/// What a proof for eight at a time says, by all means that there are.
-fn of_eight(proof: &dyn Fn(&dyn AnyLanes) -> u32) -> u32 {
-    struct Run<'a>(&'a dyn Fn(&dyn AnyLanes) -> u32, &'a mut u32);
+/// The filters in single precision, behind an instruction set that is not named.
+trait AnySet {
+    fn separated(&self, bvh: &Bvh, corners: &[[[u32; WIDTH]; 3]; 2]) -> u32;
+    fn injective(&self, bvh: &Bvh, one_rings: &OneRings, batch: usize) -> u32;
+}
+
+impl<S: InstructionSet> AnySet for S {
+    fn separated(&self, bvh: &Bvh, corners: &[[[u32; WIDTH]; 3]; 2]) -> u32 {
+        separated_mask_x8(self.f32x8(), bvh.points_f32(), corners, 0)
+    }
+
+    fn injective(&self, bvh: &Bvh, one_rings: &OneRings, batch: usize) -> u32 {
+        injective_mask_x8(self.f32x8(), bvh.points_f32(), &one_rings.batch(batch))
+    }
+}
+
+/// The answer of a filter, which has to be the same for all instruction sets.
+fn by_all_sets(filter: &dyn Fn(&dyn AnySet) -> u32) -> u32 {
+    struct Run<'a>(&'a dyn Fn(&dyn AnySet) -> u32, &'a mut u32);
     impl Task for Run<'_> {
-        fn run<L: Lanes>(self, lanes: L) {
-            *self.1 = (self.0)(&lanes);
+        fn run<S: InstructionSet>(self, simd: S) {
+            *self.1 = (self.0)(&simd);
         }
     }
     let mut best = 0;
-    dispatch(Run(proof, &mut best));
-    assert_eq!(proof(&Portable), best);
+    dispatch(Run(filter, &mut best));
+    assert_eq!(filter(&Portable), best);
     best
 }
 
-/// The proofs, by means that are not named.
-trait AnyLanes {
-    fn apart(&self, tree: &FaceTree, corners: &[[[u32; WIDTH]; 3]; 2]) -> u32;
-    fn open(&self, tree: &FaceTree, eight: usize) -> u32;
-}
-
-impl<L: Lanes> AnyLanes for L {
-    fn apart(&self, tree: &FaceTree, corners: &[[[u32; WIDTH]; 3]; 2]) -> u32 {
-        are_eight_apart(self.eight(), tree.mapped(), corners, 0)
-    }
-
-    fn open(&self, tree: &FaceTree, eight: usize) -> u32 {
-        are_open(self.eight(), tree.mapped(), &tree.rings().eight(eight))
-    }
-}
-
 #[test]
-fn mapped_triangles_proven_apart_do_not_intersect() {
+fn separating_axis_x8_of_intersecting_triangles_is_never_found() {
     let faces: Vec<_> = (0..16).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
     let mesh = Mesh::new(MeshDescription { num_vertices: 48, faces, ..Default::default() }).unwrap();
     let mut numbers = Numbers(3);
-    let mut tree = FaceTree::default();
+    let mut bvh = Bvh::default();
     let corners: [[[u32; WIDTH]; 3]; 2] = std::array::from_fn(|triangle| {
         std::array::from_fn(|corner| {
             std::array::from_fn(|pair| u32::try_from(3 * (2 * pair + triangle) + corner).unwrap())
@@ -97,106 +93,105 @@ fn mapped_triangles_proven_apart_do_not_intersect() {
     });
     let mut counts = [0; 3];
     for round in 0..6_000 {
-        // Where gaps are small beside the whole, single precision sees little of them.
+        // Where gaps are small compared with the whole, single precision resolves few of them.
         let size = [1.0, 1e-3, 1e-6][round % 3];
         let positions: Vec<[f64; 3]> =
             (0..48).map(|k| numbers.point().map(|x| if k == 0 { x } else { 1.0 + size * x })).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
-        tree.prepare(&mesh, &frame);
-        tree.fit(&frame);
-        let apart = of_eight(&|lanes| lanes.apart(&tree, &corners));
+        bvh.prepare(&mesh, &frame);
+        bvh.refit(&frame);
+        let separated = by_all_sets(&|simd| simd.separated(&bvh, &corners));
         for pair in 0..8 {
             let faces = [2 * pair, 2 * pair + 1];
-            let meets = contact(&mesh, &frame, faces.map(FaceId)).is_some();
-            let is_proven = apart >> pair & 1 == 1;
-            assert!(!(meets && is_proven), "{faces:?} {positions:?}");
-            counts[if meets { 0 } else { 1 + usize::from(is_proven) }] += 1;
+            let intersects = contact_of_disjoint(&mesh, &frame, faces.map(FaceId)).is_some();
+            let is_proven = separated >> pair & 1 == 1;
+            assert!(!(intersects && is_proven), "{faces:?} {positions:?}");
+            counts[if intersects { 0 } else { 1 + usize::from(is_proven) }] += 1;
         }
     }
     assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
 }
 
-#[test]
-fn open_umbrellas_hold_no_crossing() {
-    // Not proven or not there, proven in double precision, proven in single.
-    let mut counts = [0; 4];
-    let mut numbers = Numbers(2);
-    for (num_spokes, closes) in
-        [(4, true), (5, true), (6, true), (7, true), (9, true), (4, false), (6, false), (8, false)]
-    {
+/// Eight separate vertex stars.
+struct Stars {
+    mesh: Mesh,
+    num_spokes: u32,
+    closed: bool,
+}
+
+impl Stars {
+    fn new(num_spokes: u32, closed: bool) -> Self {
         let num_vertices = num_spokes + 1;
         let mut faces = Vec::new();
-        for centre in (0..8).map(|fan| fan * num_vertices) {
+        for centre in (0..8).map(|star| star * num_vertices) {
             faces.extend((1..num_spokes).map(|k| [centre, centre + k, centre + k + 1]));
-            if closes {
+            if closed {
                 faces.push([centre, centre + num_spokes, centre + 1]);
             }
         }
-        let mesh = Mesh::new(MeshDescription { num_vertices: 8 * num_vertices as usize, faces, ..Default::default() })
-            .unwrap();
-        let mut tree = FaceTree::default();
-        let mut fans = |turns: f64| -> Vec<[f64; 3]> {
-            (0..8 * num_vertices)
-                .map(|k| {
-                    let k = k % num_vertices;
-                    if k == 0 || turns < 1.0 {
-                        return numbers.point();
-                    }
-                    // Round the centre, off by so much that some fold over; or on a grid.
-                    let angle = std::f64::consts::TAU * turns * f64::from(k) / f64::from(num_spokes);
-                    let [x, y, z] = numbers.point();
-                    [0.25 + 0.4 * angle.cos() + 0.6 * x, 0.25 + 0.4 * angle.sin() + 0.6 * y, z]
-                })
-                .collect()
+        let num_vertices = 8 * num_vertices as usize;
+        let mesh = Mesh::new(MeshDescription { num_vertices, faces, ..Default::default() }).unwrap();
+        Self { mesh, num_spokes, closed }
+    }
+
+    /// Spokes that turn around the centre `turns` times, off by so much that some fold over; or anywhere on a grid.
+    fn positions(&self, numbers: &mut Numbers, turns: f64) -> Vec<[f64; 3]> {
+        let num_vertices = self.num_spokes + 1;
+        let position = |k: u32| {
+            let k = k % num_vertices;
+            if k == 0 || turns < 1.0 {
+                return numbers.point();
+            }
+            let angle = std::f64::consts::TAU * turns * f64::from(k) / f64::from(self.num_spokes);
+            let [x, y, z] = numbers.point();
+            [0.25 + 0.4 * angle.cos() + 0.6 * x, 0.25 + 0.4 * angle.sin() + 0.6 * y, z]
         };
+        (0..8 * num_vertices).map(position).collect()
+    }
+
+    /// Counts stars that intersect, are not proven, are proven in double precision, and are proven in single precision.
+    fn check(&self, positions: &[[f64; 3]], counts: &mut [usize; 4]) {
+        let frame = Frame::new(&self.mesh, positions).unwrap();
+        let mut bvh = Bvh::default();
+        bvh.prepare(&self.mesh, &frame);
+        bvh.refit(&frame);
+        let rings = OneRings::new(&self.mesh, bvh.faces());
+        assert_eq!((rings.len(), rings.num_batches()), (8, usize::from(self.closed)));
+        let in_single = if self.closed { by_all_sets(&|simd| simd.injective(&bvh, &rings, 0)) } else { 0 };
+        let (mut filter, mut star) = (VertexStarFilter::default(), VertexStar::default());
+        for number in 0..8 {
+            let ring = rings.get(number);
+            assert_eq!(ring.around.len(), self.num_spokes as usize + usize::from(self.closed));
+            let is_injective = filter.clearance_m(&frame, ring) > 0.0;
+            let lane = || rings.batch(0).numbers.iter().position(|&of| of as usize == number).unwrap();
+            let is_injective_in_single = self.closed && in_single >> lane() & 1 == 1;
+            let mut intersects = false;
+            star.contacts(&self.mesh, &frame, ring.centre, &mut |_, _| intersects = true);
+            let is_proven = is_injective || is_injective_in_single;
+            assert!(!(intersects && is_proven), "{} spokes, {number}: {positions:?}", self.num_spokes);
+            counts[if intersects { 0 } else { 1 + usize::from(is_injective) }] += 1;
+            counts[3] += usize::from(is_injective_in_single);
+        }
+    }
+}
+
+#[test]
+fn vertex_star_with_a_crossing_is_never_found_injective() {
+    let mut counts = [0; 4];
+    let mut numbers = Numbers(2);
+    for (num_spokes, closed) in
+        [(4, true), (5, true), (6, true), (7, true), (9, true), (4, false), (6, false), (8, false)]
+    {
+        let stars = Stars::new(num_spokes, closed);
         for turns in [1.0, 1.0, 1.0, 2.0, 0.7] {
             for round in 0..300 {
-                let mut positions = fans(turns);
+                let mut positions = stars.positions(&mut numbers, turns);
                 for position in &mut positions[1..] {
                     *position = position.map(|x| 1.0 + [1.0, 1e-6][round % 2] * x);
                 }
-                let frame = Frame::new(&mesh, &positions).unwrap();
-                tree.prepare(&mesh, &frame);
-                tree.fit(&frame);
-                assert_eq!((tree.rings().len(), tree.rings().num_eights()), (8, usize::from(closes)));
-                let open = if closes { of_eight(&|lanes| lanes.open(&tree, 0)) } else { 0 };
-                let (mut umbrella, mut fan) = (Umbrella::default(), Fan::default());
-                for number in 0..8 {
-                    let ring = tree.rings().get(number);
-                    assert_eq!(ring.around.len(), num_vertices as usize - usize::from(!closes));
-                    let is_open = umbrella.room_m(&frame, ring) > 0.0;
-                    let lane = |eight| tree.rings().eight(eight).numbers.iter().position(|&of| of as usize == number);
-                    let is_open_in_single = closes && open >> lane(0).unwrap() & 1 == 1;
-                    let mut meets = false;
-                    fan.contacts(&mesh, &frame, ring.centre, &mut |_, _| meets = true);
-                    assert!(!(meets && (is_open || is_open_in_single)), "{num_spokes} spokes, {number}: {positions:?}");
-                    counts[if meets { 0 } else { 1 + usize::from(is_open) }] += 1;
-                    counts[3] += usize::from(is_open_in_single);
-                }
+                stars.check(&positions, &mut counts);
             }
         }
     }
     assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
-}
-
-#[test]
-fn every_ring_is_in_one_eight_or_among_the_others() {
-    let sheet = crate::correspond::samples::sheet(20, 20, 0.1).0;
-    let all: Vec<FaceId> = sheet.face_ids().collect();
-    let rings = Rings::new(&sheet, &all);
-    let mut numbers: Vec<u32> = rings.others().to_vec();
-    for eight in 0..rings.num_eights() {
-        let eight = rings.eight(eight);
-        for (lane, &number) in eight.numbers.iter().enumerate() {
-            let ring = rings.get(number as usize);
-            assert_eq!(eight.centres[lane], ring.centre.0);
-            let around: Vec<u32> = eight.around.iter().map(|row| row[lane]).collect();
-            let expected: Vec<u32> = ring.around.iter().map(|vertex| vertex.0).collect();
-            assert_eq!((&around[..], around[0]), expected.split_last().map(|(last, rest)| (rest, *last)).unwrap());
-            numbers.push(number);
-        }
-    }
-    numbers.sort_unstable();
-    assert_eq!(numbers, (0..u32::try_from(rings.len()).unwrap()).collect::<Vec<_>>());
-    assert!(rings.num_eights() > 40, "{}", rings.num_eights());
 }

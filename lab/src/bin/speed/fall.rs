@@ -50,7 +50,7 @@ fn row(mesh: &Mesh, frames: &[Vec<[f32; 3]>], steps: usize, num_frames: usize) -
             };
             let positions: Vec<[f64; 3]> = pair[0].iter().zip(&pair[1]).map(mix).collect();
             let frame = Frame::new(mesh, &positions)?;
-            cold.forget();
+            cold.clear_cache();
             let times = [
                 timed(|| cold.intersect(mesh, &frame, &mut found)),
                 timed(|| kept.intersect(mesh, &frame, &mut found)),

@@ -45,7 +45,7 @@ pub(crate) fn table() -> Result<(), Failure> {
             let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
             for _ in 0..8 {
                 *best = (*best).min(timed(|| {
-                    intersector.forget();
+                    intersector.clear_cache();
                     intersector.intersect(&mesh, &frame, &mut found);
                 }));
             }

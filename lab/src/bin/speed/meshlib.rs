@@ -62,7 +62,7 @@ fn row(python: &str, mesh: &Mesh, faces: &[[u32; 3]], state: &str, positions: &[
     let (mut best, mut best_other, mut pairs_other) = (Duration::MAX, f64::INFINITY, 0);
     for _ in 0..6 {
         best = best.min(timed(|| {
-            intersector.forget();
+            intersector.clear_cache();
             intersector.intersect(mesh, &frame, &mut found);
         }));
         let (ms, pairs) = other.search()?;

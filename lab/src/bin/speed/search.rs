@@ -59,7 +59,7 @@ fn row(sheet: &Sheet, mesh: &Mesh, resolution: u32, state: &str, positions: &[[f
     for _ in 0..if resolution < 250 { 15 } else { 4 } {
         let times = [
             timed(|| {
-                intersector.forget();
+                intersector.clear_cache();
                 intersector.intersect(mesh, &frame, &mut found);
             }),
             timed(|| contender.num_boxes(mesh, &frame)),

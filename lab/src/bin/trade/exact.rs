@@ -61,7 +61,7 @@ pub(crate) fn measure(position: Position, n: u32) -> Result<Cost, Box<dyn Error>
     let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
     let search = pool.install(|| {
         least(|| {
-            intersector.forget();
+            intersector.clear_cache();
             intersector.intersect(&mesh, &frame, &mut found);
         })
     });

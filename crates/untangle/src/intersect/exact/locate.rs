@@ -1,15 +1,16 @@
-//! Where an edge pierces a face: numbers, where the signs have already decided.
+//! Where an edge pierces a face: coordinates in floating point, after the signs have decided that it does.
 
 use nalgebra::{Point3, Vector3};
 
-use super::{EdgeFaceIntersection, narrow::Crossing};
-use crate::{frame::Frame, mesh::Mesh};
+use super::contact::Crossing;
+use crate::{frame::Frame, intersect::intersections::EdgeFaceIntersection, mesh::Mesh};
 
-/// Computes the place of a crossing from its edge and face alone, so that every pair that shares it gets the same numbers; and from the
-/// corners in the order of their vertices, so that no rounding depends on how the face is written down.
+/// Computes the position of a crossing from its edge and face alone, with the corners in the order of their vertices:
+/// every pair of faces that shares the crossing gets the same numbers, and no rounding depends on how a face is written
+/// down.
 ///
-/// All weights are ratios of volumes of equal sign, hence between 0 and 1 and free of scale; where a volume underflows to nothing
-/// at all, the middle stands in.
+/// All weights are ratios of volumes of equal sign, hence between 0 and 1 and free of scale. Where all volumes
+/// underflow to zero, the middle of the edge or face is taken.
 pub(crate) fn locate(mesh: &Mesh, frame: &Frame, (edge, face): Crossing) -> EdgeFaceIntersection {
     let [p, q] = mesh.edge(edge).map(|vertex| frame.position(vertex));
     let mut order = [0, 1, 2];

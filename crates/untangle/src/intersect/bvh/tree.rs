@@ -1,0 +1,115 @@
+//! The tree: what is built once for each mesh.
+
+use super::{
+    aabb::{Aabb, AabbX8, WIDTH},
+    adjacency::LeafAdjacency,
+    build::sort_by_median_splits,
+};
+use crate::{
+    frame::Frame,
+    mesh::{FaceId, Mesh, Topology, VertexId},
+};
+
+/// A vertex after the map into single precision; the fourth component has no meaning and makes a point one load.
+pub(crate) type PointF32 = [f32; 4];
+
+/// A pair of nodes of one level whose subtrees are to be traversed against each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodePair {
+    pub(super) level: usize,
+    pub(super) nodes: [u32; 2],
+}
+
+/// Bounding volume hierarchy over the usable faces of one mesh.
+#[derive(Debug, Default)]
+pub(crate) struct Bvh {
+    /// The usable faces, neighbours in space side by side. A *place* is an index into it.
+    order: Vec<FaceId>,
+    /// Corners of the faces in `order`.
+    pub(super) corners: Vec<[VertexId; 3]>,
+    /// Boxes of the nodes, from the leaves up; the last level has one node.
+    pub(super) levels: Vec<Vec<AabbX8>>,
+    pub(super) points_f32: Vec<PointF32>,
+    /// Of the map into single precision.
+    pub(super) scale: f64,
+    /// Pairs of faces that the traversal leaves out.
+    pub(super) adjacency: LeafAdjacency,
+    /// Of the mesh for which the tree was built.
+    topology: Option<Topology>,
+}
+
+impl Bvh {
+    /// Builds the tree unless it is that of this mesh already; true if it was built.
+    ///
+    /// Any order of the usable faces gives the right pairs. The one chosen here, from the frame at hand, gives them
+    /// fast.
+    pub(crate) fn prepare(&mut self, mesh: &Mesh, frame: &Frame) -> bool {
+        let is_new = self.topology.as_ref() != Some(mesh.topology());
+        if is_new {
+            self.topology = Some(mesh.topology().clone());
+            self.order = mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()).collect();
+            let centroid = |face: FaceId| {
+                let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex).coords);
+                (a + b + c).into()
+            };
+            sort_by_median_splits(&mut self.order, &centroid);
+            self.corners.clear();
+            self.corners.extend(self.order.iter().map(|&face| mesh.face(face)));
+            self.adjacency = LeafAdjacency::new(mesh, &self.order);
+            self.levels.clear();
+            let mut num_nodes = self.order.len().div_ceil(WIDTH);
+            self.levels.push(vec![AabbX8::EMPTY; num_nodes]);
+            while num_nodes > 1 {
+                num_nodes = num_nodes.div_ceil(WIDTH);
+                self.levels.push(vec![AabbX8::EMPTY; num_nodes]);
+            }
+        }
+        is_new
+    }
+
+    /// The root against itself; none without faces.
+    pub(super) fn root_pair(&self) -> Option<NodePair> {
+        let level = self.levels.len().checked_sub(1).filter(|_| !self.order.is_empty())?;
+        Some(NodePair { level, nodes: [0, 0] })
+    }
+
+    /// The box of a node below the root.
+    #[inline(always)]
+    pub(super) fn aabb(&self, level: usize, node: u32) -> Aabb {
+        self.levels[level + 1][node as usize / WIDTH].get(node as usize % WIDTH)
+    }
+
+    /// All vertices after the map into single precision.
+    #[inline(always)]
+    pub(crate) fn points_f32(&self) -> &[PointF32] {
+        &self.points_f32
+    }
+
+    /// All faces in the order of the tree.
+    pub(crate) fn faces(&self) -> &[FaceId] {
+        &self.order
+    }
+
+    /// The corners of all faces in the order of the tree.
+    pub(crate) fn all_corners(&self) -> &[[VertexId; 3]] {
+        &self.corners
+    }
+
+    /// The face at a place in the order of the tree.
+    #[inline(always)]
+    pub(crate) fn face(&self, place: u32) -> FaceId {
+        self.order[place as usize]
+    }
+
+    /// The corners of the face at a place in the order of the tree.
+    #[inline(always)]
+    pub(crate) fn corners(&self, place: u32) -> [VertexId; 3] {
+        self.corners[place as usize]
+    }
+
+    /// Whether the traversal may report pairs that share a vertex, one of more than
+    /// [`MAX_ADJACENT_FACES`](super::MAX_ADJACENT_FACES) faces.
+    pub(crate) fn may_report_adjacent(&self) -> bool {
+        self.adjacency.is_incomplete()
+    }
+}

@@ -1,0 +1,87 @@
+//! What can be done with a vector of lanes.
+
+/// Lanes of a vector of single precision.
+pub(crate) const F32_LANES: usize = 8;
+
+/// Rows of double precision that go through a filter together, in vectors of as many lanes as the instruction set has.
+pub(crate) const F64_LANES: usize = 4;
+
+/// Floating-point arithmetic on vectors, lane by lane; a scalar is a vector of one lane. No lane ever holds NaN.
+pub(crate) trait Lanes: Copy {
+    type Vector: Copy;
+
+    /// Unit roundoff: the relative error of one operation at most.
+    const ROUNDOFF: f64;
+
+    /// Sums of products below it may come from underflow, where errors are not relative.
+    const FLOOR: f64;
+
+    fn splat(self, value: f64) -> Self::Vector;
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn sub(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn mul(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn abs(self, a: Self::Vector) -> Self::Vector;
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
+    /// One bit for each lane that is above zero.
+    fn gt_zero_mask(self, a: Self::Vector) -> u32;
+
+    /// `if_positive` in the lanes where `condition` is above zero, `otherwise` in the others.
+    fn select(self, condition: Self::Vector, if_positive: Self::Vector, otherwise: Self::Vector) -> Self::Vector;
+
+    #[inline(always)]
+    fn sub3(self, a: [Self::Vector; 3], b: [Self::Vector; 3]) -> [Self::Vector; 3] {
+        [self.sub(a[0], b[0]), self.sub(a[1], b[1]), self.sub(a[2], b[2])]
+    }
+
+    #[inline(always)]
+    fn dot(self, a: [Self::Vector; 3], b: [Self::Vector; 3]) -> Self::Vector {
+        self.add(self.add(self.mul(a[0], b[0]), self.mul(a[1], b[1])), self.mul(a[2], b[2]))
+    }
+
+    #[inline(always)]
+    fn cross(self, a: [Self::Vector; 3], b: [Self::Vector; 3]) -> [Self::Vector; 3] {
+        [
+            self.sub(self.mul(a[1], b[2]), self.mul(a[2], b[1])),
+            self.sub(self.mul(a[2], b[0]), self.mul(a[0], b[2])),
+            self.sub(self.mul(a[0], b[1]), self.mul(a[1], b[0])),
+        ]
+    }
+}
+
+/// Vectors of double precision, which hold [`WIDTH`](Self::WIDTH) of the [`F64_LANES`] entries of a row.
+pub(crate) trait F64Lanes: Lanes {
+    /// Lanes of one vector, a divisor of [`F64_LANES`].
+    const WIDTH: usize;
+
+    fn div(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn sqrt(self, a: Self::Vector) -> Self::Vector;
+
+    /// The entries of a row from `first` on, a multiple of the width.
+    fn load(self, row: &[f64; F64_LANES], first: usize) -> Self::Vector;
+
+    /// Writes the entries of a row from `first` on, a multiple of the width.
+    fn store(self, vector: Self::Vector, row: &mut [f64; F64_LANES], first: usize);
+}
+
+/// Vectors of eight lanes in single precision.
+pub(crate) trait F32x8Lanes: Lanes {
+    type Mask: Copy;
+
+    fn load(self, row: &[f32; F32_LANES]) -> Self::Vector;
+
+    /// Like [`splat`](Lanes::splat), from single precision.
+    fn splat_f32(self, value: f32) -> Self::Vector;
+
+    /// The first three components of the `rows` at eight indices, transposed: one vector for each component. The fourth
+    /// component makes a row one load.
+    fn gather(self, rows: &[[f32; 4]], indices: &[u32; F32_LANES]) -> [Self::Vector; 3];
+
+    /// The lanes where `a <= b`.
+    fn le(self, a: Self::Vector, b: Self::Vector) -> Self::Mask;
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+
+    /// One bit for each lane of a mask.
+    fn mask_bits(self, mask: Self::Mask) -> u32;
+}
