@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use support::scene::Scene;
-use untangle::{mesh::{Mesh, MeshDescription}, relax::{Method, Quality, RelaxSettings, Relaxation, relax}};
+use untangle::{mesh::{Mesh, MeshDescription}, relax::{Effort, Method, RelaxSettings, Relaxation, relax}};
 use untangled_publisher::check::count_edge_face;
 
 /// One scene for each kind of path, with the most iterations that it may take.
@@ -92,7 +92,7 @@ fn where_nothing_else_helps_the_cloth_is_straightened() {
     assert!(count_edge_face(&scene.positions, &scene.faces).unwrap() > 200);
     let relaxation = run(&scene, &RelaxSettings::default());
     assert_eq!(count_edge_face(&relaxation.positions, &scene.faces), Ok(0));
-    assert!(relaxation.history.iter().any(|step| step.method == Method::Straighten));
+    assert!(relaxation.history.iter().any(|step| step.method == Method::Flatten));
     let length = |positions: &[[f64; 3]], a: u32, b: u32| {
         let [a, b] = [a, b].map(|vertex| nalgebra::Point3::from(positions[vertex as usize]));
         (b - a).norm()
@@ -148,7 +148,7 @@ fn single_precision_is_kept_in_each_state() {
     #[expect(clippy::cast_possible_truncation, reason = "the purpose")]
     let rounded = |value: f64| f64::from(value as f32);
     scene.positions.iter_mut().flatten().for_each(|value| *value = rounded(*value));
-    let settings = RelaxSettings { single_precision: true, quality: Quality::Fast, ..RelaxSettings::default() };
+    let settings = RelaxSettings { single_precision: true, effort: Effort::Fast, ..RelaxSettings::default() };
     let relaxation = run(&scene, &settings);
     assert!(relaxation.positions.iter().flatten().all(|&value| value.to_bits() == rounded(value).to_bits()));
     assert_eq!(count_edge_face(&relaxation.positions, &scene.faces), Ok(0));

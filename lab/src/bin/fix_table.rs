@@ -22,7 +22,7 @@ use serde::{
 use untangle::{
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
-    relax::{Iteration, Quality, RelaxSettings, relax},
+    relax::{Effort, Iteration, RelaxSettings, relax},
 };
 use untangled_mesh_io::{concatenate, read_mesh};
 use untangled_publisher::check::count_edge_face;
@@ -39,8 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         match argument.as_str() {
             "--quality" => {
                 let name = value()?;
-                settings.quality =
-                    Quality::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name.as_str()))?;
+                settings.effort =
+                    Effort::deserialize(IntoDeserializer::<ValueError>::into_deserializer(name.as_str()))?;
             }
             "--most" => settings.max_iterations = value()?.parse()?,
             "--motions" => motions = value()?.parse()?,
