@@ -31,7 +31,7 @@ use thiserror::Error;
 pub use distortion::Distortion;
 pub use report::{Blocked, Counts, Report};
 
-use untangle::{analysis::analyse, relax::{Quality, RelaxError, RelaxSettings, relax}};
+use untangle::{analysis::analyse, relax::{Effort, RelaxError, RelaxSettings, relax}};
 use crate::cli::{
         Outcome,
         input::{self, Input, InputError},
@@ -83,7 +83,7 @@ pub struct FixArgs {
     pub overwrite: bool,
 }
 
-/// [`Quality`] as an argument.
+/// [`Effort`] as an argument.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum QualityArg {
     /// Fewest candidates a step
@@ -91,11 +91,11 @@ pub enum QualityArg {
     /// In between
     #[default]
     Balanced,
-    /// Most candidates a step, smallest steps
+    /// Most candidates a step where progress stalls, otherwise as balanced
     Accurate,
 }
 
-impl From<QualityArg> for Quality {
+impl From<QualityArg> for Effort {
     fn from(quality: QualityArg) -> Self {
         match quality {
             QualityArg::Fast => Self::Fast,
@@ -198,7 +198,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let before = Counts::new(&analyse(&input.mesh, &input.frame));
     interrupt.check()?;
     let settings = RelaxSettings {
-        quality: args.quality.into(),
+        effort: args.quality.into(),
         max_iterations: args.max_iterations,
         // Rounding all states would change digits of a file that can hold them.
         single_precision: jobs.iter().all(|job| job.output.is_single_precision()),

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use untangle::{
     mesh::{Mesh, MeshDescription},
-    relax::{Method, Quality, RelaxSettings, Relaxation, relax},
+    relax::{Method, Effort, RelaxSettings, Relaxation, relax},
 };
 use untangled_publisher::check::count_edge_face;
 use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};
@@ -72,7 +72,7 @@ fn relax_on_deeply_crumpled_cloth_straightens_it() {
     assert!(count_edge_face(&sheet.positions, &sheet.faces).unwrap() > 200);
     let relaxation = run(&sheet, &RelaxSettings::default());
     assert_eq!(count_edge_face(&relaxation.positions, &sheet.faces), Ok(0));
-    assert!(relaxation.history.iter().any(|step| step.method == Method::Straighten));
+    assert!(relaxation.history.iter().any(|step| step.method == Method::Flatten));
     let length = |positions: &[[f64; 3]], a: u32, b: u32| {
         let [a, b] = [a, b].map(|vertex| nalgebra::Point3::from(positions[vertex as usize]));
         (b - a).norm()
@@ -128,7 +128,7 @@ fn relax_in_single_precision_keeps_positions_representable() {
     #[expect(clippy::cast_possible_truncation, reason = "the purpose")]
     let rounded = |value: f64| f64::from(value as f32);
     sheet.positions.iter_mut().flatten().for_each(|value| *value = rounded(*value));
-    let settings = RelaxSettings { single_precision: true, quality: Quality::Fast, ..RelaxSettings::default() };
+    let settings = RelaxSettings { single_precision: true, quality: Effort::Fast, ..RelaxSettings::default() };
     let relaxation = run(&sheet, &settings);
     assert!(relaxation.positions.iter().flatten().all(|&value| value.to_bits() == rounded(value).to_bits()));
     assert_eq!(count_edge_face(&relaxation.positions, &sheet.faces), Ok(0));

@@ -11,7 +11,7 @@ use untangle::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
-    relax::{Quality, RelaxSettings, relax},
+    relax::{Effort, RelaxSettings, relax},
     settings::Settings,
 };
 use untangled_publisher::check::count_edge_face;
@@ -114,15 +114,15 @@ pub(crate) fn fix<'py>(
     max_iterations: usize,
     single_precision: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let quality = match quality {
-        "fast" => Quality::Fast,
-        "balanced" => Quality::Balanced,
-        "accurate" => Quality::Accurate,
+    let effort = match quality {
+        "fast" => Effort::Fast,
+        "balanced" => Effort::Balanced,
+        "accurate" => Effort::Accurate,
         other => return Err(PyValueError::new_err(format!("there is no quality {other:?}"))),
     };
     let (mesh, positions) = cloth.read()?;
     let triangles: Vec<[u32; 3]> = u32s("triangles", &cloth.triangles)?;
-    let settings = RelaxSettings { quality, max_iterations, single_precision };
+    let settings = RelaxSettings { effort, max_iterations, single_precision };
     let (relaxed, left) = py.detach(|| {
         // Ctrl-C ends the work between two iterations; Python hears of it when this returns.
         let mut progress = |_: &_| match Python::attach(|py| py.check_signals()) {

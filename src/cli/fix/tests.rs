@@ -63,7 +63,7 @@ fn what_the_solver_finds_is_written_and_judged() {
                       positions: &[[f64; 3]],
                       settings: &RelaxSettings,
                       progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-        let expected = RelaxSettings { quality: Quality::Accurate, max_iterations: 10, single_precision: false };
+        let expected = RelaxSettings { effort: Effort::Accurate, max_iterations: 10, single_precision: false };
         assert_eq!(*settings, expected);
         assert!(progress(&STEP).is_continue());
         Ok(lift(positions, 1.25))

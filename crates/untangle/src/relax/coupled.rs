@@ -1,13 +1,11 @@
-//! The coupled response of one frame: one motion that resolves all paths together, without trials and without history.
+//! The coupled response of one frame: one displacement that resolves all paths together, without trials or history.
 
 use nalgebra::Vector3;
 
 use super::{
-    domain::Domain,
-    goals::{Aim, Goals, Scene},
-    motion::MotionSolver,
-    orient::Orientation,
-    shape::{Body, Shape},
+    constraints::{ConstraintSource, Constraints, Objective, Orientation, collect},
+    energy::{ArapEnergy, Domain, RestShape},
+    step::{DisplacementSolver, Start},
 };
 use crate::{
     analysis::Analysis,
@@ -16,31 +14,32 @@ use crate::{
     mesh::{Mesh, VertexId},
 };
 
-/// Rings round the goals that may move.
+/// Rings round the constraints that may move.
 const RINGS: usize = 10;
-/// The root of this is the length, in edges, over which a motion dies away.
+/// The root of this is the length, in edges, over which a displacement decays.
 const STIFFNESS: f64 = 16.0;
 /// Edges that change their length by more than this factor are made stiffer.
-const TOLERATED: f64 = 1.2;
-/// Longest motion of one frame, in mean edge lengths.
-const LONGEST: f64 = 6.0;
+const MAX_STRETCH: f64 = 1.2;
+/// Longest displacement of one frame, in mean edge lengths.
+const MAX_LENGTH: f64 = 6.0;
 
-/// Finds coupled motions, reusing its memory from frame to frame.
+/// Finds coupled displacements, reusing its memory from frame to frame.
 #[derive(Debug, Default)]
 pub struct CoupledStep {
     orientation: Option<Orientation>,
     domain: Domain,
-    goals: Goals,
-    solver: MotionSolver,
+    constraints: Constraints,
+    solver: DisplacementSolver,
 }
 
 impl CoupledStep {
-    /// Finds the motion for one frame of the mesh that this was first used with, and calls `add` with each vertex that moves and its
-    /// displacement in metres. Pinned vertices don't move. Nothing where nothing intersects.
+    /// Finds the displacement for one frame of the mesh that this was first used with, and calls `add` with each vertex
+    /// that moves and its displacement in metres. Pinned vertices don't move. Nothing where nothing intersects.
     ///
-    /// The least change of the present shape, as rigid as possible, that takes every point inside to the other side of the sheet it
-    /// penetrated, and the paths without an inside to a shorter length. Paths that time did not suffice for want nothing. Momentum is not
-    /// kept. Cost: see `fix`; it allocates, and once begun it is not cut short.
+    /// The least change of the present shape, as rigid as possible, that takes every point inside to the other side of
+    /// the sheet it penetrated, and makes paths without an inside shorter. Paths that are marked as cut off by a
+    /// deadline have no constraints. Momentum is not kept. Cost: some factorisations
+    /// of a sparse system over the vertices near the paths; it allocates, and no deadline ends it once begun.
     pub fn step(
         &mut self,
         mesh: &Mesh,
@@ -51,21 +50,23 @@ impl CoupledStep {
     ) {
         let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments) else { return };
         let orientation = &*self.orientation.get_or_insert_with(|| Orientation::of(mesh));
-        self.goals.collect(&Scene { mesh, frame, analysis, found, orientation }, Aim::Normal);
-        if self.goals.len() == 0 {
+        let source = ConstraintSource { mesh, frame, analysis, found, orientation };
+        collect(&mut self.constraints, &source, Objective::Normal);
+        if self.constraints.len() == 0 {
             return;
         }
-        self.domain.grow(mesh, self.goals.vertices(), RINGS);
-        let shape = Shape::of(mesh, frame);
-        let body = Body { mesh, frame, shape: &shape, domain: &self.domain, memory: 0.0 };
-        if !self.solver.solve(&body, STIFFNESS, TOLERATED, &self.goals, false) {
+        self.domain.grow(mesh, self.constraints.vertices(), RINGS);
+        let rest = RestShape::of(mesh, frame);
+        let energy = ArapEnergy { mesh, frame, rest: &rest, domain: &self.domain, rest_weight: 0.0 };
+        if !self.solver.solve(&energy, STIFFNESS, MAX_STRETCH, &self.constraints, Start::Cold) {
             return;
         }
-        let largest = self.solver.motion.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let part = if largest > LONGEST * edge_length_m { LONGEST * edge_length_m / largest } else { 1.0 };
-        for (&vertex, &motion) in self.domain.vertices().iter().zip(&self.solver.motion) {
-            if motion.iter().all(|value| value.is_finite()) {
-                add(vertex, motion * part);
+        let largest = self.solver.displacement.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let limit = MAX_LENGTH * edge_length_m;
+        let part = if largest > limit { limit / largest } else { 1.0 };
+        for (&vertex, &displacement) in self.domain.vertices().iter().zip(&self.solver.displacement) {
+            if displacement.iter().all(|value| value.is_finite()) {
+                add(vertex, displacement * part);
             }
         }
     }

@@ -8,16 +8,16 @@ use crate::{
     mesh::{FaceId, Mesh, VertexId},
 };
 
-/// For each face whether its winding is to be read backwards, so that neighbours agree wherever the surface has two sides.
+/// For each face whether its winding is reversed, so that neighbours agree wherever the surface has two sides.
 #[derive(Debug)]
-pub(super) struct Orientation {
-    backwards: Vec<bool>,
+pub(crate) struct Orientation {
+    is_reversed: Vec<bool>,
 }
 
 impl Orientation {
-    /// Walks over every piece once, from its lowest face.
-    pub(super) fn of(mesh: &Mesh) -> Self {
-        let mut backwards = vec![false; mesh.num_faces()];
+    /// Walks over every piece once, from its lowest face. Cost: linear in the faces.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let mut is_reversed = vec![false; mesh.num_faces()];
         let mut reached = vec![false; mesh.num_faces()];
         let mut stack = Vec::new();
         for first in mesh.face_ids() {
@@ -33,24 +33,24 @@ impl Orientation {
                     if !std::mem::replace(&mut reached[next.index()], true) {
                         let [a, b] = mesh.edge(edge);
                         let agree = runs(mesh, face, a, b) != runs(mesh, next, a, b);
-                        backwards[next.index()] = backwards[face.index()] == agree;
+                        is_reversed[next.index()] = is_reversed[face.index()] == agree;
                         stack.push(next);
                     }
                 }
             }
         }
-        Self { backwards }
+        Self { is_reversed }
     }
 
     /// Twice the area vector of a face.
     fn area(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Vector3<f64> {
         let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
         let area = (b - a).cross(&(c - a));
-        if self.backwards[face.index()] { -area } else { area }
+        if self.is_reversed[face.index()] { -area } else { area }
     }
 
     /// The unit normal at a point: the mean over the faces round its corners. Nothing where the faces have no area.
-    pub(super) fn normal(&self, mesh: &Mesh, frame: &Frame, at: &MaterialPoint) -> Option<Vector3<f64>> {
+    pub(crate) fn normal(&self, mesh: &Mesh, frame: &Frame, at: &MaterialPoint) -> Option<Vector3<f64>> {
         let mut sum = Vector3::zeros();
         for (&vertex, weight) in at.vertices.iter().zip(at.weights).filter(|(_, weight)| *weight > 0.0) {
             let around: Vector3<f64> = mesh.vertex_faces(vertex).iter().map(|&face| self.area(mesh, frame, face)).sum();

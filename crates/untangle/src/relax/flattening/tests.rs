@@ -1,10 +1,12 @@
-//! Straightening by itself, on a strip that is rolled up.
+//! The flattening flow without the plans before it, on a strip that is rolled up.
+
+use std::ops::ControlFlow;
 
 use super::*;
 use crate::{
     correspond::samples::sheet_faces,
     mesh::{Mesh, MeshDescription},
-    relax::RelaxSettings,
+    relax::{Iteration, RelaxSettings},
 };
 
 /// A strip rolled up so that its second turn goes in and out through its first.
@@ -23,9 +25,9 @@ fn roll() -> (MeshDescription, Vec<[f64; 3]>) {
     (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions)
 }
 
-/// Straightens within so many iterations, and interrupts where nothing intersects for the first time if asked. Gives back how it
-/// ended, whether the best state is clean, and what was left after each iteration.
-fn straightened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
+/// Flattens within so many iterations, and interrupts where nothing intersects for the first time if asked. Gives back
+/// how it ended, whether the best state is clean, and the number of edge-face intersections after each iteration.
+fn flattened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
     let (description, positions) = roll();
     let mesh = Mesh::new(description).unwrap();
     let settings = RelaxSettings { max_iterations: most, ..RelaxSettings::default() };
@@ -33,7 +35,7 @@ fn straightened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
     let input = relaxer.frame.positions().to_vec();
     relaxer.set_frame(&input).unwrap();
     assert!(relaxer.analyser.last().intersections.edge_face.len() > 20);
-    let mut best = Best { merit: f64::INFINITY, positions: input };
+    let mut best = BestState { merit: f64::INFINITY, positions: input };
     let mut left = Vec::new();
     let mut progress = |step: &Iteration| {
         left.push(step.num_edge_face_intersections);
@@ -43,30 +45,30 @@ fn straightened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
             ControlFlow::Continue(())
         }
     };
-    let end = relaxer.straighten(&mut best, &mut progress).unwrap();
+    let end = flatten(&mut relaxer, &mut best, &mut progress).unwrap();
     relaxer.set_frame(&best.positions).unwrap();
     (end, relaxer.analyser.last().intersections.edge_face.is_empty(), left)
 }
 
 #[test]
-fn a_clean_state_is_given_back_wherever_the_way_back_ends() {
-    let (end, clean, left) = straightened(100, false);
+fn flatten_stopped_during_recovery_gives_back_clean_state() {
+    let (end, clean, left) = flattened(100, false);
     assert!(end == End::Clean && clean, "{end:?} {left:?}");
     let first = left.iter().position(|&left| left == 0).unwrap() + 1;
     assert!(first + 2 < left.len());
     for most in first..left.len() {
-        let (end, clean, left) = straightened(most, false);
+        let (end, clean, left) = flattened(most, false);
         assert!(end == End::Clean && clean, "{most} {end:?} {left:?}");
     }
-    let (end, clean, _) = straightened(0, false);
+    let (end, clean, _) = flattened(0, false);
     assert!(end == End::Exhausted && !clean, "{end:?}");
-    // Where it is interrupted before the way back, what is flat is all there is.
-    let (end, clean, left) = straightened(100, true);
+    // Interrupted before shape recovery, it gives back the flat state.
+    let (end, clean, left) = flattened(100, true);
     assert!(end == End::Interrupted && clean, "{end:?} {left:?}");
 }
 
 #[test]
-fn of_clean_states_the_one_that_crushes_least_is_kept_and_of_equals_the_last() {
+fn least_violated_of_clean_states_keeps_fewest_violations_and_of_equals_the_last() {
     let (description, positions) = roll();
     let mesh = Mesh::new(description).unwrap();
     let settings = RelaxSettings::default();
@@ -75,21 +77,24 @@ fn of_clean_states_the_one_that_crushes_least_is_kept_and_of_equals_the_last() {
     domain.grow(&mesh, mesh.vertex_ids(), 0);
     let input = relaxer.frame.positions();
     let scaled = |factor: f64| input.iter().map(|point| point * factor).collect::<Vec<_>>();
+    let offer = |least: &mut LeastViolated, positions: &[_]| {
+        least.offer(positions, relaxer.limits.num_violated(&mesh, positions, &domain));
+    };
     let mut one_moved = input.to_vec();
     one_moved[5].x += 1.0;
-    let mut least = Least { limit: 20, kept: None };
-    relaxer.offer(&domain, &scaled(0.1), &mut least);
+    let mut least = LeastViolated { limit: 20, kept: None };
+    offer(&mut least, &scaled(0.1));
     assert!(least.kept.is_none());
-    relaxer.offer(&domain, &one_moved, &mut least);
+    offer(&mut least, &one_moved);
     assert!(least.kept.is_some());
-    relaxer.offer(&domain, &scaled(1.1), &mut least);
-    relaxer.offer(&domain, &scaled(0.9), &mut least);
-    relaxer.offer(&domain, &one_moved, &mut least);
+    offer(&mut least, &scaled(1.1));
+    offer(&mut least, &scaled(0.9));
+    offer(&mut least, &one_moved);
     assert_eq!(least.kept.unwrap(), scaled(0.9));
 }
 
 #[test]
-fn pieces_without_a_boundary_stay_as_they_are() {
+fn flatten_leaves_pieces_without_boundary_bit_for_bit() {
     let (mut description, mut positions) = roll();
     let open = positions.len();
     // An octahedron in the inner turn.
@@ -110,14 +115,14 @@ fn pieces_without_a_boundary_stay_as_they_are() {
     let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
     let input = relaxer.frame.positions().to_vec();
     relaxer.set_frame(&input).unwrap();
-    let mut best = Best { merit: f64::INFINITY, positions: input.clone() };
-    relaxer.straighten(&mut best, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
+    flatten(&mut relaxer, &mut best, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(relaxer.frame.positions()[open..], input[open..]);
     assert_ne!(relaxer.frame.positions()[..open], input[..open]);
 }
 
 #[test]
-fn any_number_of_threads_straightens_to_the_same_bits() {
+fn flatten_on_one_or_three_threads_gives_same_bits() {
     let (description, positions) = roll();
     let mesh = Mesh::new(description).unwrap();
     let settings = RelaxSettings::default();
@@ -127,8 +132,8 @@ fn any_number_of_threads_straightens_to_the_same_bits() {
             let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
             let input = relaxer.frame.positions().to_vec();
             relaxer.set_frame(&input).unwrap();
-            let mut best = Best { merit: f64::INFINITY, positions: input };
-            relaxer.straighten(&mut best, &mut |_| ControlFlow::Continue(())).unwrap();
+            let mut best = BestState { merit: f64::INFINITY, positions: input };
+            flatten(&mut relaxer, &mut best, &mut |_| ControlFlow::Continue(())).unwrap();
             best.positions
         })
     };

@@ -1,0 +1,21 @@
+//! What a displacement has to satisfy: linear inequalities from the paths, and limits on strain.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `rows` | the inequalities, row by row |
+//! | `from_paths` | the rows of each path, for one of three objectives |
+//! | `local` | the same rows in the numbers of a domain, for inner loops |
+//! | `orientation` | normals that agree from face to face |
+//! | `strain_limits` | steps that would crush or overstretch the cloth (Provot 1995) |
+
+mod from_paths;
+mod local;
+mod orientation;
+mod rows;
+mod strain_limits;
+
+pub(crate) use from_paths::{ConstraintSource, Objective, collect};
+pub(crate) use local::{LocalConstraints, row_value};
+pub(crate) use orientation::Orientation;
+pub(crate) use rows::Constraints;
+pub(crate) use strain_limits::StrainLimits;

@@ -1,0 +1,118 @@
+//! What a relaxation gives back, and why it ended.
+
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{analysis::Analysis, frame::FrameError, mesh::Mesh, paths::PairType};
+
+/// What moved the cloth in an iteration. Where islands of paths took different trials, the one that helped most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Points inside moved to their targets, which a radial basis function fit gave.
+    Rbf,
+    /// Points inside crossed the corresponding sheet along its normal.
+    Push,
+    /// Paths got shorter, down the gradient of their length.
+    Contour,
+    /// The flattening flow, where no trial helped, or the shape recovery after it. Named `straighten` in files.
+    #[serde(rename = "straighten")]
+    Flatten,
+    /// Shape recovery: a step towards the rest shape, with nothing left to resolve. Named `settle` in files.
+    #[serde(rename = "settle")]
+    RecoverShape,
+}
+
+/// The state after an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Iteration {
+    /// Edge-face intersections that are left.
+    pub num_edge_face_intersections: usize,
+    /// World length of all paths, in metres.
+    pub path_length_m: f64,
+    /// What led here.
+    pub method: Method,
+}
+
+/// A path that could not be resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockedPath {
+    /// Its type.
+    pub pair_type: PairType,
+    /// A vertex beside it, to find it by.
+    pub vertex: u32,
+    /// World length in metres.
+    pub length_m: f64,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// The best state found, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relaxation {
+    /// Positions in metres, `num_vertices x 3`. Those of the input, bit for bit, if that was clean.
+    pub positions: Vec<[f64; 3]>,
+    /// One entry for each iteration.
+    pub history: Vec<Iteration>,
+    /// Paths left in `positions`; empty if none are.
+    pub blocked: Vec<BlockedPath>,
+    /// Whether `progress` ended it.
+    pub interrupted: bool,
+}
+
+/// Why positions can't be relaxed.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum RelaxError {
+    /// Positions were refused.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+/// Why iterations ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// Nothing intersects.
+    Clean,
+    /// Nothing helps any more.
+    Stuck,
+    /// The largest number of iterations was reached.
+    Exhausted,
+    /// The caller's `progress` asked for it.
+    Interrupted,
+}
+
+/// The least tangled state so far.
+pub(super) struct BestState {
+    pub(super) merit: f64,
+    pub(super) positions: Vec<Point3<f64>>,
+}
+
+/// The paths of the best state that was found, where the last plan ended so.
+pub(super) fn blocked_paths(mesh: &Mesh, analysis: &Analysis, end: End) -> Vec<BlockedPath> {
+    let closed = mesh.closed_pieces();
+    let pairs = analysis.paths.pairs.iter();
+    pairs
+        .map(|pair| {
+            let first = &analysis.paths.copies[pair.copies.start];
+            let segment = &analysis.paths.segments[first.segments.start];
+            let is_closed = |face| mesh.piece(face).is_some_and(|piece| closed[piece.index()]);
+            let reason = reason(end, is_closed(segment.own) || is_closed(segment.partner));
+            let vertex = mesh.face(segment.own)[0].0;
+            BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
+        })
+        .collect()
+}
+
+fn reason(end: End, meets_closed: bool) -> &'static str {
+    match (end, meets_closed) {
+        (End::Clean, _) => "",
+        (End::Exhausted, _) => "the largest number of iterations was reached",
+        (End::Interrupted, _) => "the work was interrupted",
+        (End::Stuck, false) => "no motion left it shorter without crushing or overstretching the cloth",
+        (End::Stuck, true) => {
+            "no motion left it shorter without crushing or overstretching the cloth, \
+             and a piece without a boundary can't be drawn flat"
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The state of a relaxation under way, and what all its phases do with it.
+
+use std::ops::ControlFlow;
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use super::{
+    constraints::{Constraints, Orientation, StrainLimits},
+    energy::{ArapEnergy, Domain, RestShape},
+    outcome::{Iteration, Method, RelaxError},
+    settings::RelaxSettings,
+    step::{Islands, Tangle, Trial, TrialContext, TrialSettings, measure},
+};
+use crate::{
+    analysis::Analyser,
+    correspond::Correspondent,
+    frame::Frame,
+    mesh::{Mesh, VertexId},
+    settings::{InsideChoice, Settings},
+    sparse_map::SparseMap,
+};
+
+/// The caller's function that is told of each iteration, and may end the work.
+pub(super) type Progress<'p> = dyn FnMut(&Iteration) -> ControlFlow<()> + 'p;
+
+/// One relaxation under way.
+pub(super) struct Relaxer<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) settings: &'a RelaxSettings,
+    pub(super) analysis_settings: Settings,
+    pub(super) frame: Frame,
+    pub(super) rest: RestShape,
+    pub(super) limits: StrainLimits,
+    pub(super) orientation: Orientation,
+    pub(super) analyser: Analyser,
+    pub(super) correspondent: Correspondent,
+    /// What is judged and chosen together in an iteration.
+    pub(super) islands: Islands,
+    /// How tangled each island is now.
+    pub(super) now: Vec<Tangle>,
+    pub(super) domain: Domain,
+    /// Memory of trials; those of an iteration are the first of them.
+    pub(super) trials: Vec<Trial>,
+    /// Vertices where the sheets are to pass through each other.
+    pub(super) passing: SparseMap<VertexId, ()>,
+    /// Separation constraints of former iterations, which are to hold from now on.
+    pub(super) separated: Constraints,
+    /// The islands of the input, which say what moves together during shape recovery.
+    pub(super) first_islands: Islands,
+    pub(super) edge_length_m: f64,
+    pub(super) history: Vec<Iteration>,
+}
+
+impl<'a> Relaxer<'a> {
+    pub(super) fn new(mesh: &'a Mesh, positions: &[[f64; 3]], settings: &'a RelaxSettings) -> Result<Self, RelaxError> {
+        let frame = Frame::new(mesh, positions)?;
+        Ok(Self {
+            mesh,
+            settings,
+            analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
+            rest: RestShape::of(mesh, &frame),
+            limits: StrainLimits::of(mesh, &frame),
+            orientation: Orientation::of(mesh),
+            frame,
+            analyser: Analyser::default(),
+            correspondent: Correspondent::default(),
+            islands: Islands::default(),
+            now: Vec::new(),
+            domain: Domain::default(),
+            trials: Vec::new(),
+            passing: SparseMap::default(),
+            separated: Constraints::default(),
+            first_islands: Islands::default(),
+            edge_length_m: 0.0,
+            history: Vec::new(),
+        })
+    }
+
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.history.len() >= self.settings.max_iterations
+    }
+
+    pub(super) fn set_frame(&mut self, positions: &[Point3<f64>]) -> Result<(), RelaxError> {
+        self.frame.set(self.mesh, positions.iter().map(|point| (*point).into()))?;
+        self.analyse();
+        Ok(())
+    }
+
+    pub(super) fn analyse(&mut self) {
+        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+    }
+
+    /// Finds the islands of the present state, each with the vertices within `reach` more rings, and how tangled they
+    /// are.
+    pub(super) fn measure_islands(&mut self, reach: usize) {
+        let analysis = self.analyser.last();
+        self.islands.find(self.mesh, analysis, reach);
+        measure(self.mesh, &self.frame, &analysis.intersections, &self.islands, &mut self.now);
+    }
+
+    /// Makes room for trials.
+    pub(super) fn resize_trials(&mut self, num_trials: usize) {
+        self.trials.resize_with(num_trials.max(self.trials.len()), Trial::default);
+    }
+
+    /// Runs a trial for each of the settings, in parallel, with the constraints that it has, over the present domain.
+    pub(super) fn run_trials(&mut self, settings: &[TrialSettings], rest_weight: f64) {
+        let energy =
+            ArapEnergy { mesh: self.mesh, frame: &self.frame, rest: &self.rest, domain: &self.domain, rest_weight };
+        let context = TrialContext {
+            energy,
+            present: &self.analyser.last().intersections,
+            islands: &self.islands,
+            limits: &self.limits,
+            passing: &self.passing,
+            now: &self.now,
+            edge_length_m: self.edge_length_m,
+            single_precision: self.settings.single_precision,
+        };
+        self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
+    }
+
+    /// The present positions, with each island moved by the trial that was chosen for it.
+    pub(super) fn positions_of(&self, choice: &[Option<usize>]) -> Vec<Point3<f64>> {
+        let mut positions = self.frame.positions().to_vec();
+        for &vertex in self.domain.vertices() {
+            if let Some(index) = choice[self.islands.of(vertex)] {
+                positions[vertex.index()] = self.trials[index].best.positions[vertex.index()];
+            }
+        }
+        positions
+    }
+
+    /// Notes the analysed state after an iteration.
+    pub(super) fn report(&mut self, method: Method, progress: &mut Progress<'_>) -> ControlFlow<()> {
+        let analysis = self.analyser.last();
+        let num_edge_face = analysis.intersections.edge_face.len();
+        let length_m = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
+        self.note(method, num_edge_face, length_m, progress)
+    }
+
+    /// Notes a state after an iteration.
+    pub(super) fn note(
+        &mut self,
+        method: Method,
+        num_edge_face_intersections: usize,
+        path_length_m: f64,
+        progress: &mut Progress<'_>,
+    ) -> ControlFlow<()> {
+        let iteration = Iteration { num_edge_face_intersections, path_length_m, method };
+        self.history.push(iteration);
+        progress(&iteration)
+    }
+}

@@ -1,0 +1,133 @@
+//! Iterations of trial displacements: analyse, try several, keep for each island of paths the one that helps most.
+
+use std::collections::BTreeSet;
+
+use super::{
+    constraints::{ConstraintSource, Objective, collect},
+    outcome::{BestState, End, Method, RelaxError},
+    plan::{StallCriterion, trials},
+    relaxer::{Progress, Relaxer},
+    step::{TrialSettings, least_tangled, total},
+};
+use crate::{
+    analysis::Analysis,
+    correspond::mean_edge_length,
+    mesh::{Mesh, VertexId},
+    sparse_map::SparseMap,
+};
+
+/// Rings round the constraints that may move.
+const RINGS: usize = 14;
+/// The part of the rest shape in the edges that are kept, from the second iteration on.
+const REST_WEIGHT: f64 = 0.3;
+
+/// Iterates from the present state until nothing intersects any more, or nothing helps any more. Paths with targets are
+/// resolved for one objective first, and for the others where that does not help.
+pub(super) fn resolve(
+    relaxer: &mut Relaxer<'_>,
+    objective: Objective,
+    stall: StallCriterion,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<End, RelaxError> {
+    // The least merits up to each iteration.
+    let mut merits: Vec<f64> = Vec::new();
+    let mut widen = false;
+    for iteration in 0.. {
+        relaxer.measure_islands(2 * RINGS);
+        let merit = total(&relaxer.now).merit();
+        if merit < best.merit {
+            *best = BestState { merit, positions: relaxer.frame.positions().to_vec() };
+        }
+        if relaxer.analyser.last().intersections.edge_face.is_empty() {
+            return Ok(End::Clean);
+        }
+        let before = merits.last().copied().unwrap_or(f64::INFINITY);
+        merits.push(merit.min(before));
+        if relaxer.is_exhausted() {
+            return Ok(End::Exhausted);
+        }
+        if stall.is_met(&merits) {
+            break;
+        }
+        let worse = merit >= before;
+        let settings = trials(objective, relaxer.settings.effort, widen || worse);
+        let rest_weight = if iteration == 0 { 0.0 } else { REST_WEIGHT };
+        let (method, stuck) = iterate(relaxer, &settings, rest_weight, worse)?;
+        widen = stuck;
+        if relaxer.report(method, progress).is_break() {
+            return Ok(End::Interrupted);
+        }
+    }
+    Ok(End::Stuck)
+}
+
+/// Runs the trials of one iteration and takes the best of them, island by island. Returns the method that helped most,
+/// and whether some island did not move.
+fn iterate(
+    relaxer: &mut Relaxer<'_>,
+    settings: &[TrialSettings],
+    rest_weight: f64,
+    must_change: bool,
+) -> Result<(Method, bool), RelaxError> {
+    prepare(relaxer, settings);
+    relaxer.run_trials(settings, rest_weight);
+    let (trials, now) = (&relaxer.trials[..settings.len()], &relaxer.now);
+    let choice: Vec<Option<usize>> =
+        (0..now.len()).map(|island| least_tangled(trials, now, island, must_change)).collect();
+    let stuck = choice.iter().zip(now).any(|(choice, now)| choice.is_none() && !now.is_none());
+    let method = method_of(relaxer, settings, &choice);
+    let positions = relaxer.positions_of(&choice);
+    relaxer.set_frame(&positions)?;
+    for index in choice.iter().flatten().copied().collect::<BTreeSet<_>>() {
+        relaxer.separated.hold(&relaxer.trials[index].constraints, &relaxer.frame);
+    }
+    Ok((method, stuck))
+}
+
+/// Collects the constraints of all trials, and the domain that they move.
+fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
+    relaxer.resize_trials(settings.len());
+    let Relaxer { mesh, frame, analyser, analysis_settings, .. } = relaxer;
+    let analysis = analyser.last();
+    let found = relaxer.correspondent.find(mesh, frame, analysis, analysis_settings, &mut ());
+    let source = ConstraintSource { mesh, frame, analysis, found, orientation: &relaxer.orientation };
+    let trials = &mut relaxer.trials[..settings.len()];
+    for (trial, settings) in trials.iter_mut().zip(settings) {
+        collect(&mut trial.constraints, &source, settings.objective);
+    }
+    relaxer.domain.grow(mesh, trials.iter().flat_map(|trial| trial.constraints.vertices()), RINGS);
+    mark_passing(mesh, analysis, &mut relaxer.passing);
+    relaxer.edge_length_m = mean_edge_length(mesh, frame, &analysis.paths.segments).unwrap_or(0.0);
+}
+
+/// Marks where the sheets are to pass through each other: along the paths and inside of them.
+fn mark_passing(mesh: &Mesh, analysis: &Analysis, passing: &mut SparseMap<VertexId, ()>) {
+    passing.reset(mesh.num_vertices());
+    for segment in &analysis.intersections.segments {
+        for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
+            passing.set(vertex, ());
+        }
+    }
+    for &vertex in &analysis.regions.vertices {
+        passing.set(vertex, ());
+    }
+}
+
+/// The method of the objective that took away most of the tangle.
+fn method_of(relaxer: &Relaxer<'_>, settings: &[TrialSettings], choice: &[Option<usize>]) -> Method {
+    const METHODS: [(Objective, Method); 3] =
+        [(Objective::Normal, Method::Push), (Objective::Target, Method::Rbf), (Objective::Shorten, Method::Contour)];
+    let mut gains = [0.0; METHODS.len()];
+    for (island, index) in choice.iter().enumerate() {
+        if let Some(index) = *index {
+            let gain = relaxer.now[island].merit() - relaxer.trials[index].best.tangles[island].merit();
+            let is_own = |(objective, _): &(Objective, Method)| *objective == settings[index].objective;
+            if let Some(method) = METHODS.iter().position(is_own) {
+                gains[method] += gain;
+            }
+        }
+    }
+    let most = (1..gains.len()).fold(0, |best, method| if gains[method] > gains[best] { method } else { best });
+    METHODS[most].1
+}

@@ -1,0 +1,33 @@
+//! What a caller of the relaxation chooses.
+
+use serde::{Deserialize, Serialize};
+
+/// Time against result: how many trial displacements an iteration makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Effort {
+    /// One stiffness, until progress stalls.
+    Fast,
+    /// Three stiffnesses.
+    #[default]
+    Balanced,
+    /// As [`Effort::Balanced`], and where progress stalls twice as many trials with the other objectives.
+    Accurate,
+}
+
+/// What a caller chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RelaxSettings {
+    /// Time against result.
+    pub effort: Effort,
+    /// Gives up after this many iterations.
+    pub max_iterations: usize,
+    /// Whether positions are rounded to single precision in each state, for files that hold no more.
+    pub single_precision: bool,
+}
+
+impl Default for RelaxSettings {
+    fn default() -> Self {
+        Self { effort: Effort::default(), max_iterations: 100, single_precision: false }
+    }
+}

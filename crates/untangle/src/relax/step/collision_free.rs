@@ -1,0 +1,104 @@
+//! Collision-free steps towards a target state: they keep clean what is clean, and learn which vertices are blocked.
+
+use nalgebra::Point3;
+
+use super::{
+    damping::{Backtracking, Damping},
+    precision::stored,
+};
+use crate::{
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::{Mesh, VertexId},
+    relax::energy::Domain,
+};
+
+/// Round vertices that meet something.
+const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 10 };
+/// A blocked vertex is held: from the first strength on so many times more after each step that blocks it, and less
+/// after each other one.
+const FIRST_HOLD: f64 = 0.1;
+const HOLD_GROWTH: f64 = 3.0;
+const MAX_HOLD: f64 = 100.0;
+const HOLD_DECAY: f64 = 0.5;
+
+/// Steps that intersect nothing, with what they learnt.
+pub(crate) struct CollisionFreeStep<'a> {
+    mesh: &'a Mesh,
+    domain: &'a Domain,
+    damping: Damping,
+    holds: Vec<f64>,
+    frame: Frame,
+    intersector: Intersector,
+    found: Intersections,
+    step: Vec<Point3<f64>>,
+}
+
+impl<'a> CollisionFreeStep<'a> {
+    pub(crate) fn new(mesh: &'a Mesh, domain: &'a Domain) -> Self {
+        Self {
+            mesh,
+            domain,
+            damping: Damping::default(),
+            holds: vec![0.0; domain.vertices().len()],
+            frame: Frame::default(),
+            intersector: Intersector::default(),
+            found: Intersections::default(),
+            step: Vec::new(),
+        }
+    }
+
+    /// Moves `positions`, one for each vertex of the mesh, to `target` where nothing is met there, and less far
+    /// elsewhere. False if no step without intersections is left. Cost: one search for intersections for each round of
+    /// backtracking.
+    pub(crate) fn advance(
+        &mut self,
+        positions: &mut [Point3<f64>],
+        target: &[Point3<f64>],
+        single_precision: bool,
+    ) -> bool {
+        self.damping.reset(self.domain.vertices().len());
+        for round in 0..=BACKTRACKING.num_rounds() {
+            self.step.clear();
+            self.step.extend_from_slice(positions);
+            for (local, vertex) in self.domain.vertices().iter().enumerate() {
+                let before = positions[vertex.index()];
+                let point = before + (target[vertex.index()] - before) * self.damping.factor(local);
+                self.step[vertex.index()] = stored(point, single_precision);
+            }
+            if self.frame.set(self.mesh, self.step.iter().map(|point| (*point).into())).is_err() {
+                return false;
+            }
+            self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
+            if self.found.edge_face.is_empty() {
+                positions.copy_from_slice(&self.step);
+                self.update_holds();
+                return true;
+            }
+            let blocked = self.found.edge_face.iter().flat_map(|found| {
+                let ([a, b], [c, d, e]): ([VertexId; 2], _) = (self.mesh.edge(found.edge), self.mesh.face(found.face));
+                [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
+            });
+            self.damping.damp(self.mesh, self.domain, blocked, BACKTRACKING.factor(round));
+        }
+        self.update_holds();
+        false
+    }
+
+    /// For each vertex of the domain how much it is held where it is, in units of the weights of its triangles.
+    pub(crate) fn holds(&self) -> &[f64] {
+        &self.holds
+    }
+
+    /// Holds blocked vertices more than before, and the others less.
+    fn update_holds(&mut self) {
+        for (local, hold) in self.holds.iter_mut().enumerate() {
+            let missing = 1.0 - self.damping.factor(local);
+            if missing > 0.0 {
+                *hold = (hold.max(FIRST_HOLD) * (1.0 + HOLD_GROWTH * missing)).min(MAX_HOLD);
+            } else {
+                *hold *= HOLD_DECAY;
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Islands of coupled contours: intersection paths (contours) so close together that they are resolved together.
+
+use crate::{
+    analysis::Analysis,
+    mesh::{Mesh, VertexId},
+    sparse_map::SparseMap,
+};
+
+/// Paths with a common vertex in their k-rings of this width are coupled.
+const RINGS: usize = 2;
+
+/// Islands of paths, and for the vertices round them the island that is nearest.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Islands {
+    /// The island of a vertex. While islands are looked for: a copy of a path of that island.
+    labels: SparseMap<VertexId, u32>,
+    num_islands: usize,
+    /// Disjoint sets of copies: the parent of each, or itself.
+    parents: Vec<usize>,
+}
+
+impl Islands {
+    /// Joins the paths of a frame into islands: paths are coupled if the vertices round them, or those inside of them,
+    /// meet. Then extends the labels over `reach` more rings.
+    ///
+    /// Cost: linear in the vertices that are reached.
+    pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, reach: usize) {
+        self.labels.reset(mesh.num_vertices());
+        self.label_paths(mesh, analysis);
+        let mut first = 0;
+        for ring in 0..RINGS + reach {
+            let last = self.labels.keys().len();
+            if first == last {
+                break;
+            }
+            for index in first..last {
+                self.label_neighbours(mesh, self.labels.keys()[index], ring < RINGS);
+            }
+            first = last;
+        }
+        self.number_islands(analysis.paths.copies.len());
+    }
+
+    /// Labels the corners of all faces along a path, and the vertices inside of it, with its copy.
+    fn label_paths(&mut self, mesh: &Mesh, analysis: &Analysis) {
+        let copies = &analysis.paths.copies;
+        self.parents.clear();
+        self.parents.extend(0..copies.len());
+        for (copy, path) in copies.iter().enumerate() {
+            self.join(copy, path.partner);
+            for segment in &analysis.paths.segments[path.segments.clone()] {
+                for vertex in mesh.face(segment.own).into_iter().chain(mesh.face(segment.partner)) {
+                    self.claim(vertex, copy);
+                }
+            }
+            for &vertex in analysis.regions.vertices_of(copy) {
+                self.claim(vertex, copy);
+            }
+        }
+    }
+
+    /// Gives the neighbours of a vertex its label, unless they have one; sets of copies that meet here are joined if
+    /// asked for.
+    fn label_neighbours(&mut self, mesh: &Mesh, vertex: VertexId, joins: bool) {
+        let Some(label) = self.labels.get(vertex) else { return };
+        for &edge in mesh.vertex_edges(vertex) {
+            let next = mesh.opposite_vertex(edge, vertex);
+            if joins {
+                self.claim(next, label as usize);
+            } else {
+                self.labels.insert(next, label);
+            }
+        }
+    }
+
+    /// Replaces copies by islands, numbered in the order of their lowest copy.
+    fn number_islands(&mut self, num_copies: usize) {
+        let mut numbers: Vec<Option<u32>> = vec![None; num_copies];
+        let mut next = 0;
+        for copy in 0..num_copies {
+            let root = self.root(copy);
+            let number = *numbers[root].get_or_insert_with(|| {
+                next += 1;
+                next - 1
+            });
+            numbers[copy] = Some(number);
+        }
+        self.num_islands = next as usize;
+        for index in 0..self.labels.keys().len() {
+            let label = self.labels.entry(self.labels.keys()[index]);
+            *label = numbers[*label as usize].expect("each copy of a path is in an island");
+        }
+    }
+
+    /// Labels a vertex with a copy, or joins the copy with the one that was here before.
+    fn claim(&mut self, vertex: VertexId, copy: usize) {
+        match self.labels.get(vertex) {
+            Some(label) => self.join(label as usize, copy),
+            None => self.labels.set(vertex, u32::try_from(copy).expect("fewer paths than faces")),
+        }
+    }
+
+    fn root(&mut self, copy: usize) -> usize {
+        let mut root = copy;
+        while self.parents[root] != root {
+            self.parents[root] = self.parents[self.parents[root]];
+            root = self.parents[root];
+        }
+        root
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        let (low, high) = (a.min(b), a.max(b));
+        self.parents[high] = low;
+    }
+
+    /// The number of islands.
+    pub(crate) fn len(&self) -> usize {
+        self.num_islands
+    }
+
+    /// The island of a vertex; for one that lies near none, one past the last.
+    pub(crate) fn of(&self, vertex: VertexId) -> usize {
+        self.near(vertex).unwrap_or(self.num_islands)
+    }
+
+    /// The island of a vertex, if there is one near.
+    pub(crate) fn near(&self, vertex: VertexId) -> Option<usize> {
+        // Before the first search there is not even a table.
+        if self.num_islands == 0 { None } else { self.labels.get(vertex).map(|label| label as usize) }
+    }
+}
