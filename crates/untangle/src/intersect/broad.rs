@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, Topology, VertexId},
+    mesh::{FaceId, Mesh, MeshIdentity, VertexId},
 };
 
 /// Nodes that one thread fits in one go, at least.
@@ -58,7 +58,7 @@ pub(crate) struct FaceTree {
     neighbours: Neighbours,
     rings: Rings,
     /// The mesh of all this.
-    topology: Option<Topology>,
+    identity: Option<MeshIdentity>,
 }
 
 impl FaceTree {
@@ -66,9 +66,9 @@ impl FaceTree {
     ///
     /// Any order that lists exactly the usable faces gives the right pairs; a good one gives them fast.
     pub(crate) fn prepare(&mut self, mesh: &Mesh, frame: &Frame) -> bool {
-        let is_new = self.topology.as_ref() != Some(mesh.topology());
+        let is_new = self.identity.as_ref() != Some(mesh.identity());
         if is_new {
-            self.topology = Some(mesh.topology().clone());
+            self.identity = Some(mesh.identity().clone());
             self.order = mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()).collect();
             let centroid = |face: FaceId| {
                 let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex).coords);
