@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use untangle::{
     mesh::{Mesh, MeshDescription},
-    relax::{Method, Effort, RelaxSettings, Relaxation, relax},
+    relax::{Effort, Method, RelaxSettings, Relaxation, relax},
 };
 use untangled_publisher::check::count_edge_face;
 use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};

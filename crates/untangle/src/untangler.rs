@@ -79,7 +79,7 @@ impl Untangler {
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
         if self.settings.response == Response::Coupled {
             observer.begin(Stage::Respond);
-            let (found, add) = self.responder.displace(&self.mesh);
+            let (found, add) = self.responder.displacement_adder(&self.mesh);
             self.coupled.step(&self.mesh, frame, analysis, found, add);
             observer.end();
         }

@@ -1,6 +1,10 @@
-//! From a description to a validated mesh: the one place where input is doubted.
+//! From a description to a mesh: edges are numbered, incidences collected, pieces found.
 
-use super::{Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, PieceId, Topology, VertexId, chart::Chart};
+use super::{
+    Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, MeshIdentity, PieceId, VertexId,
+    uv_chart::find_uv_places,
+    validate::{is_usable, validate},
+};
 
 impl Mesh {
     /// Validates a description and derives its connectivity.
@@ -17,71 +21,45 @@ impl Mesh {
         let faces: Vec<[VertexId; 3]> = faces.into_iter().map(|corners| corners.map(VertexId)).collect();
 
         let Edges { edges, face_edges } = number_edges(&faces);
-        let used = || face_edges.iter().enumerate().filter_map(|(face, edges)| edges.map(|edges| (face, edges)));
-        let edge_faces = Csr::from_pairs(
-            edges.len(),
-            used().flat_map(|(face, edges)| edges.map(|edge| (edge.index(), FaceId::from_index(face)))),
-        );
-        let vertex_faces = Csr::from_pairs(
-            num_vertices,
-            used().flat_map(|(face, _)| faces[face].map(|vertex| (vertex.index(), FaceId::from_index(face)))),
-        );
-        let vertex_edges = Csr::from_pairs(
-            num_vertices,
-            edges.iter().enumerate().flat_map(|(edge, ends)| ends.map(|end| (end.index(), EdgeId::from_index(edge)))),
-        );
-
-        let mut is_boundary_vertex = vec![false; num_vertices];
-        let mut num_boundary_edges = 0;
-        let mut edges_manifold = true;
-        for (edge, ends) in edges.iter().enumerate() {
-            match edge_faces.row(edge).len() {
-                1 => {
-                    num_boundary_edges += 1;
-                    for end in ends {
-                        is_boundary_vertex[end.index()] = true;
-                    }
-                }
-                2 => {}
-                _ => edges_manifold = false,
-            }
-        }
+        let incidence = Incidence::find(num_vertices, &faces, &edges, &face_edges);
+        let boundary = Boundary::find(num_vertices, &edges, &incidence.edge_faces);
+        let (face_piece, num_pieces) = number_pieces(&face_edges, &incidence.edge_faces);
+        let num_ignored_faces = face_edges.iter().filter(|edges| edges.is_none()).count();
         let mut is_pinned = vec![false; num_vertices];
         for pin in pins {
             is_pinned[pin as usize] = true;
         }
-        let (face_piece, num_pieces) = number_pieces(&face_edges, &edge_faces);
-        let num_ignored_faces = face_edges.iter().filter(|edges| edges.is_none()).count();
 
         let mut mesh = Self {
-            topology: Topology::default(),
+            identity: MeshIdentity::default(),
             num_vertices,
             faces,
             edges,
             face_edges,
-            edge_faces,
-            vertex_faces,
-            vertex_edges,
+            edge_faces: incidence.edge_faces,
+            vertex_faces: incidence.vertex_faces,
+            vertex_edges: incidence.vertex_edges,
             face_piece,
             num_pieces,
             is_solid_piece: Vec::new(),
-            chart: Chart::default(),
-            num_boundary_edges,
+            uv_places: Vec::new(),
+            num_boundary_edges: boundary.num_edges,
             num_ignored_faces,
-            manifold: edges_manifold,
-            is_boundary_vertex,
+            manifold: boundary.edges_are_manifold,
+            is_boundary_vertex: boundary.is_boundary_vertex,
             uvs,
             rest_positions,
             masses_kg,
             is_pinned,
             layers,
         };
-        mesh.manifold = edges_manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));
+        mesh.manifold = mesh.manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));
         mesh.is_solid_piece = mesh.find_solid_pieces();
-        mesh.chart = Chart::find(&mesh);
+        mesh.uv_places = find_uv_places(&mesh);
         Ok(mesh)
     }
 
+    /// For each piece whether it is closed and consistently oriented; see [`Mesh::is_solid`].
     fn find_solid_pieces(&self) -> Vec<bool> {
         let mut solid = vec![true; self.num_pieces];
         for edge in self.edge_ids() {
@@ -124,95 +102,68 @@ impl Mesh {
     }
 }
 
-/// Refuses what can't be a mesh, with the first reason found.
-fn validate(description: &MeshDescription) -> Result<(), MeshError> {
-    let num_vertices = description.num_vertices;
-    let num_faces = description.faces.len();
-    if num_vertices == 0 || num_faces == 0 {
-        return Err(MeshError::Empty { num_vertices, num_faces });
-    }
-    for (what, count) in [("vertices", num_vertices), ("faces", num_faces)] {
-        // Three times as many edges and corners must fit 32 bits too.
-        let limit = Mesh::MAX_ELEMENTS / 4;
-        if count > limit {
-            return Err(MeshError::TooLarge { what, count, limit });
-        }
-    }
-    for (face, corners) in description.faces.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|&&index| index as usize >= num_vertices) {
-            return Err(MeshError::VertexIndex { face, index, num_vertices });
-        }
-    }
-    if !description.faces.iter().any(|corners| is_usable(*corners)) {
-        return Err(MeshError::NoUsableFace { num_faces });
-    }
-    validate_sections(description)
-}
-
-fn validate_sections(description: &MeshDescription) -> Result<(), MeshError> {
-    let num_vertices = description.num_vertices;
-    if let Some(uvs) = &description.uvs {
-        check_length("uv_corners", uvs.corners.len(), description.faces.len())?;
-        for (entry, corners) in uvs.corners.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&index| index as usize >= uvs.coordinates.len()) {
-                return Err(MeshError::SectionIndex {
-                    section: "uv_corners",
-                    entry,
-                    index,
-                    limit: uvs.coordinates.len(),
-                });
-            }
-        }
-        check_finite("uv_coordinates", &uvs.coordinates)?;
-    }
-    if let Some(rest) = &description.rest_positions {
-        check_length("rest_positions", rest.len(), num_vertices)?;
-        check_finite("rest_positions", rest)?;
-    }
-    if let Some(masses) = &description.masses_kg {
-        check_length("masses", masses.len(), num_vertices)?;
-        for (entry, &value) in masses.iter().enumerate() {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(MeshError::SectionValue {
-                    section: "masses",
-                    entry,
-                    value,
-                    expected: "finite and not negative",
-                });
-            }
-        }
-    }
-    if let Some(layers) = &description.layers {
-        check_length("layers", layers.len(), num_vertices)?;
-    }
-    for (entry, &index) in description.pins.iter().enumerate() {
-        if index as usize >= num_vertices {
-            return Err(MeshError::SectionIndex { section: "pins", entry, index, limit: num_vertices });
-        }
-    }
-    Ok(())
-}
-
-fn check_length(section: &'static str, given: usize, expected: usize) -> Result<(), MeshError> {
-    if given == expected { Ok(()) } else { Err(MeshError::SectionLength { section, given, expected }) }
-}
-
-fn check_finite<const N: usize>(section: &'static str, rows: &[[f64; N]]) -> Result<(), MeshError> {
-    for (entry, row) in rows.iter().enumerate() {
-        if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
-            return Err(MeshError::SectionValue { section, entry, value, expected: "finite" });
-        }
-    }
-    Ok(())
-}
-
-fn is_usable([a, b, c]: [u32; 3]) -> bool {
-    a != b && b != c && c != a
-}
-
+/// Edges by their number, and the numbers of the edges of each usable face.
 struct Edges {
     edges: Vec<[VertexId; 2]>,
     face_edges: Vec<Option<[EdgeId; 3]>>,
+}
+
+/// What is incident to each edge and each vertex.
+struct Incidence {
+    edge_faces: Csr<FaceId>,
+    vertex_faces: Csr<FaceId>,
+    vertex_edges: Csr<EdgeId>,
+}
+
+impl Incidence {
+    fn find(
+        num_vertices: usize,
+        faces: &[[VertexId; 3]],
+        edges: &[[VertexId; 2]],
+        face_edges: &[Option<[EdgeId; 3]>],
+    ) -> Self {
+        let used = || face_edges.iter().enumerate().filter_map(|(face, edges)| edges.map(|edges| (face, edges)));
+        let edge_faces = Csr::from_pairs(
+            edges.len(),
+            used().flat_map(|(face, edges)| edges.map(|edge| (edge.index(), FaceId::from_index(face)))),
+        );
+        let vertex_faces = Csr::from_pairs(
+            num_vertices,
+            used().flat_map(|(face, _)| faces[face].map(|vertex| (vertex.index(), FaceId::from_index(face)))),
+        );
+        let vertex_edges = Csr::from_pairs(
+            num_vertices,
+            edges.iter().enumerate().flat_map(|(edge, ends)| ends.map(|end| (end.index(), EdgeId::from_index(edge)))),
+        );
+        Self { edge_faces, vertex_faces, vertex_edges }
+    }
+}
+
+/// Edges of one face and the vertices on them, and whether no edge has more than two faces.
+struct Boundary {
+    num_edges: usize,
+    is_boundary_vertex: Vec<bool>,
+    edges_are_manifold: bool,
+}
+
+impl Boundary {
+    fn find(num_vertices: usize, edges: &[[VertexId; 2]], edge_faces: &Csr<FaceId>) -> Self {
+        let mut boundary =
+            Self { num_edges: 0, is_boundary_vertex: vec![false; num_vertices], edges_are_manifold: true };
+        for (edge, ends) in edges.iter().enumerate() {
+            match edge_faces.row(edge).len() {
+                1 => {
+                    boundary.num_edges += 1;
+                    for end in ends {
+                        boundary.is_boundary_vertex[end.index()] = true;
+                    }
+                }
+                2 => {}
+                _ => boundary.edges_are_manifold = false,
+            }
+        }
+        boundary
+    }
 }
 
 /// Numbers the edges in the order of their vertices, so that the numbers don't depend on the order of the faces.
@@ -278,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn two_triangles_share_an_edge() {
+    fn mesh_of_two_triangles_shares_their_edge() {
         let mesh = mesh(4, &[[0, 1, 2], [2, 1, 3]]);
         assert_eq!((mesh.num_edges(), mesh.num_boundary_edges(), mesh.num_pieces()), (5, 4, 1));
         assert!(mesh.is_manifold() && !mesh.is_closed());
@@ -288,13 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn a_tetrahedron_is_closed() {
+    fn mesh_of_tetrahedron_is_closed_and_manifold() {
         let mesh = mesh(4, &[[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
         assert!(mesh.is_closed() && mesh.is_manifold());
     }
 
     #[test]
-    fn non_manifold_edge_and_vertex_are_found() {
+    fn mesh_with_non_manifold_edge_or_vertex_is_not_manifold() {
         assert!(!mesh(5, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]).is_manifold());
         let bow = mesh(5, &[[0, 1, 2], [0, 3, 4]]);
         assert!(!bow.is_manifold());
@@ -302,28 +253,10 @@ mod tests {
     }
 
     #[test]
-    fn a_repeated_index_is_ignored_and_counted() {
+    fn mesh_ignores_and_counts_faces_with_repeated_index() {
         let mesh = mesh(4, &[[0, 1, 2], [1, 1, 3]]);
         assert_eq!((mesh.num_faces(), mesh.num_ignored_faces(), mesh.num_edges()), (2, 1, 3));
         assert_eq!(mesh.face_edges(FaceId(1)), None);
         assert_eq!(mesh.piece(FaceId(1)), None);
-    }
-
-    #[test]
-    fn bad_input_names_the_element() {
-        let error = |description| Mesh::new(description).unwrap_err();
-        assert_eq!(error(MeshDescription::default()), MeshError::Empty { num_vertices: 0, num_faces: 0 });
-        let faces = vec![[0, 1, 2], [0, 7, 1]];
-        let description = MeshDescription { num_vertices: 3, faces, ..Default::default() };
-        assert_eq!(error(description), MeshError::VertexIndex { face: 1, index: 7, num_vertices: 3 });
-        let description = MeshDescription { num_vertices: 3, faces: vec![[0, 0, 1]], ..Default::default() };
-        assert_eq!(error(description), MeshError::NoUsableFace { num_faces: 1 });
-        let good = MeshDescription { num_vertices: 3, faces: vec![[0, 1, 2]], ..Default::default() };
-        let description = MeshDescription { masses_kg: Some(vec![1.0]), ..good.clone() };
-        assert_eq!(error(description), MeshError::SectionLength { section: "masses", given: 1, expected: 3 });
-        let description = MeshDescription { pins: vec![3], ..good.clone() };
-        assert_eq!(error(description), MeshError::SectionIndex { section: "pins", entry: 0, index: 3, limit: 3 });
-        let description = MeshDescription { masses_kg: Some(vec![1.0, -1.0, 1.0]), ..good };
-        assert!(matches!(error(description), MeshError::SectionValue { entry: 1, .. }));
     }
 }

@@ -1,84 +1,88 @@
-//! The disc round a loop vertex: the surroundings of a BLI path unfolded into the plane.
+//! The disc round a loop vertex: the surroundings of a BLI path unfolded (developed) into the plane.
 //!
-//! Where the texture coordinates of a piece are one smooth chart, they are the unfolding: a vertex is in the disc or not by its own
-//! coordinates, and nothing is laid out at all. The fill then visits what it needs.
+//! Where the texture coordinates of a piece are one smooth chart, they are the unfolding: the coordinates of a vertex tell
+//! whether it is in the disc, no face is unfolded, and the flood fill visits only the vertices that it needs.
 //!
-//! Otherwise faces are laid out one after the other, nearest first, each along an edge that is already there: with their texture
-//! coordinates where the mesh has them, or else with their rest lengths. Across a seam the layout simply goes on. The radius is known
-//! only when the nearer end of the path is reached, so that the whole disc has to be laid out.
+//! Otherwise faces are unfolded one by one, the nearest first, each beside a neighbour that is in the plane already, over
+//! their common edge: by their texture coordinates where the mesh has them, or else by their rest lengths. The unfolding
+//! continues across seams of the texture. The radius is known only when the unfolding reaches the nearer end of the path, so
+//! the whole disc is unfolded.
 //!
-//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads round an end: a
-//! free end needs no extension to the rim to keep the sides apart.
+//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads round
+//! an end: a free end needs no extension to the rim to keep the sides apart.
 //!
-//! Each face keeps the motion that placed it, and hands it on to its neighbours: so errors add up from face to face. Placing each corner
-//! by the two that are there would multiply them. What comes first is told by lengths, so that no numbering changes the disc.
+//! Each face keeps the similarity that placed it, and its neighbours continue from that: so errors add up from face to face.
+//! To place each corner by the two that are already there would multiply them. Lengths decide which face comes first, so that
+//! no numbering changes the disc.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
 use nalgebra::{Point3, Vector2};
 
+use super::similarity::Similarity;
 use crate::{
     frame::Frame,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::SurfacePoint,
+    sparse_map::SparseMap,
 };
 
-/// A face to be laid out, the nearest first.
+/// A face to be unfolded; the nearest comes first.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct QueuedFace {
     /// From the centre to the nearer and the farther end of the edge that it is reached over.
     distances: [f64; 2],
     /// Its corner that is not on this edge.
     apex: VertexId,
     face: FaceId,
-    /// The face and the edge that it is reached from, and how many faces were laid out before that one.
-    from: Option<(u32, FaceId, EdgeId)>,
+    /// The number of faces that were unfolded before it was queued, and the face and the edge that it is reached from.
+    from: Option<(usize, FaceId, EdgeId)>,
 }
 
-impl Ord for Candidate {
+impl Ord for QueuedFace {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Reversed: the heap's greatest is the nearest. Lengths tell edges apart, and an edge has one open face; the rest is for edges of
-        // many faces and exact symmetry.
+        // Reversed, since the heap gives the greatest: the nearest first. Lengths tell edges apart, and an edge has one face
+        // that is not unfolded; the other keys are for edges of many faces and exact symmetry.
         let [near, far] = [0, 1].map(|end: usize| other.distances[end].total_cmp(&self.distances[end]));
         let (this, that) = (&self, other);
         near.then(far).then(that.from.cmp(&this.from)).then(that.apex.cmp(&this.apex)).then(that.face.cmp(&this.face))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for QueuedFace {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for QueuedFace {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for QueuedFace {}
 
 /// Unfolded surroundings of one vertex, reusing its memory from path to path.
 #[derive(Debug, Default)]
 pub(crate) struct Disc {
-    /// The texture coordinates of the centre, where they need no unfolding.
-    chart: Option<Vector2<f64>>,
-    epoch: u32,
-    places: Vec<(u32, Vector2<f64>)>,
-    layouts: Vec<(u32, Layout)>,
-    queue: BinaryHeap<Candidate>,
-    num_laid_out: u32,
+    /// The texture coordinates of the centre, where those of its piece are the unfolding.
+    uv_centre: Option<Vector2<f64>>,
+    /// Vertices in the plane, relative to the centre.
+    places: SparseMap<VertexId, Vector2<f64>>,
+    /// For each unfolded face the map that placed it.
+    similarities: SparseMap<FaceId, Similarity>,
+    queue: BinaryHeap<QueuedFace>,
     radius: f64,
 }
 
 impl Disc {
-    /// Makes the disc round `centre` that reaches to the nearer one of two path ends; `around` are the faces in which the path passes through
-    /// the centre.
+    /// Makes the disc round `centre` that reaches to the nearer one of two path ends; `around` are the faces in which the
+    /// path passes through the centre.
     ///
-    /// Returns the radius; nothing if neither end can be reached over edges. Cost: constant in a smooth chart, otherwise O(n log n) in
-    /// the faces of the disc.
-    pub(crate) fn reach(
+    /// Returns the radius; nothing if neither end can be reached over edges. Cost: constant in a smooth chart, otherwise
+    /// O(n log n) in the faces of the disc.
+    pub(crate) fn build(
         &mut self,
         mesh: &Mesh,
         frame: &Frame,
@@ -86,16 +90,17 @@ impl Disc {
         around: [FaceId; 2],
         ends: [SurfacePoint; 2],
     ) -> Option<f64> {
-        self.chart = mesh.chart_place(centre).map(Vector2::from);
-        if self.chart.is_none() {
-            return self.unfold(mesh, frame, centre, around, ends);
-        }
-        let radius = ends.into_iter().filter_map(|end| self.distance_to(mesh, end)).reduce(f64::min);
+        self.uv_centre = mesh.chart_place(centre).map(Vector2::from);
+        let radius = if self.uv_centre.is_some() {
+            self.distance_to_nearer(mesh, ends)
+        } else {
+            self.unfold(mesh, frame, centre, around, ends)
+        };
         self.radius = radius?;
         radius
     }
 
-    /// Lays out the surroundings of `centre` until they hold the nearer one of two path ends.
+    /// Unfolds the surroundings of `centre` until they hold the nearer one of two path ends; returns the distance to it.
     fn unfold(
         &mut self,
         mesh: &Mesh,
@@ -104,33 +109,25 @@ impl Disc {
         around: [FaceId; 2],
         ends: [SurfacePoint; 2],
     ) -> Option<f64> {
-        self.places.resize(mesh.num_vertices(), (0, Vector2::zeros()));
-        self.layouts.resize(mesh.num_faces(), (0, Layout::default()));
-        self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
-            self.places.fill((0, Vector2::zeros()));
-            self.layouts.fill((0, Layout::default()));
-            1
-        });
+        self.places.reset(mesh.num_vertices());
+        self.similarities.reset(mesh.num_faces());
         self.queue.clear();
-        self.num_laid_out = 0;
-        self.place(centre, Vector2::zeros());
+        self.places.set(centre, Vector2::zeros());
         let face = first_face(mesh, frame, centre)?;
-        self.queue.push(Candidate { distances: [0.0; 2], apex: centre, face, from: None });
-        // Where the faces round the centre are not one fan, those of the path belong to the disc too; where they are, all its faces
-        // come earlier.
+        self.queue.push(QueuedFace { distances: [0.0; 2], apex: centre, face, from: None });
+        // Where the faces round the centre are not one fan, those of the path belong to the disc too; where they are, all its
+        // faces come earlier.
         let later = [0.0, f64::INFINITY];
-        self.queue.extend(around.map(|face| Candidate { distances: later, apex: centre, face, from: None }));
-        let mut radius: Option<f64> = None;
-        while let Some(Candidate { distances: [distance, _], face, from, .. }) = self.queue.pop() {
-            let found = ends.map(|end| self.distance_to(mesh, end));
-            radius = found.into_iter().flatten().reduce(f64::min);
-            // All that is nearer than the nearer end is laid out; an end that is not is farther away.
+        self.queue.extend(around.map(|face| QueuedFace { distances: later, apex: centre, face, from: None }));
+        let mut radius = None;
+        while let Some(QueuedFace { distances: [distance, _], face, from, .. }) = self.queue.pop() {
+            radius = self.distance_to_nearer(mesh, ends);
+            // All that is nearer than the nearer end is unfolded; an end that is not is farther away.
             if radius.is_some_and(|radius| distance > radius) {
                 break;
             }
-            self.lay_out(mesh, frame, face, from.map(|(_, face, edge)| (face, edge)), centre);
+            self.unfold_face(mesh, frame, face, from.map(|(_, face, edge)| (face, edge)), centre);
         }
-        self.radius = radius?;
         radius
     }
 
@@ -139,20 +136,17 @@ impl Disc {
         self.place_of(mesh, vertex).is_some_and(|place| place.norm() <= self.radius)
     }
 
-    fn place(&mut self, vertex: VertexId, place: Vector2<f64>) {
-        self.places[vertex.index()] = (self.epoch, place);
-    }
-
+    /// The place of a vertex relative to the centre, if it is in the unfolding.
     fn place_of(&self, mesh: &Mesh, vertex: VertexId) -> Option<Vector2<f64>> {
-        if let Some(centre) = self.chart {
-            return Some(Vector2::from(mesh.chart_place(vertex)?) - centre);
+        match self.uv_centre {
+            Some(centre) => Some(Vector2::from(mesh.chart_place(vertex)?) - centre),
+            None => self.places.get(vertex),
         }
-        let (epoch, place) = self.places[vertex.index()];
-        (epoch == self.epoch).then_some(place)
     }
 
-    fn distance_to(&self, mesh: &Mesh, point: SurfacePoint) -> Option<f64> {
-        self.place_of_point(mesh, point).map(|place| place.norm())
+    fn distance_to_nearer(&self, mesh: &Mesh, ends: [SurfacePoint; 2]) -> Option<f64> {
+        let distance = |end| self.place_of_point(mesh, end).map(|place| place.norm());
+        ends.into_iter().filter_map(distance).reduce(f64::min)
     }
 
     fn place_of_point(&self, mesh: &Mesh, point: SurfacePoint) -> Option<Vector2<f64>> {
@@ -172,55 +166,70 @@ impl Disc {
         })
     }
 
-    /// Places the corners of a face that are not placed yet, and queues its neighbours.
-    fn lay_out(&mut self, mesh: &Mesh, frame: &Frame, face: FaceId, from: Option<(FaceId, EdgeId)>, centre: VertexId) {
-        if self.layouts[face.index()].0 == self.epoch {
+    /// Places the corners of a face that are not placed yet, and queues its neighbours. `from` is the neighbour that is in the
+    /// plane already and the common edge; without it the face has a corner in the centre.
+    fn unfold_face(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        face: FaceId,
+        from: Option<(FaceId, EdgeId)>,
+        centre: VertexId,
+    ) {
+        if self.similarities.contains(face) {
             return;
         }
         let corners = mesh.face(face);
         let local = local_coordinates(mesh, frame, face);
-        let layout = match from {
+        let similarity = match from {
             Some((previous, edge)) => {
-                let at = |face: FaceId, local: [Vector2<f64>; 3]| {
-                    // The ends of the edge, then the third corner.
-                    let ends = mesh.edge(edge);
-                    let apex = mesh.face(face).into_iter().find(|corner| !ends.contains(corner)).unwrap_or(ends[0]);
-                    [ends[0], ends[1], apex].map(|vertex| {
-                        let corner = mesh.face(face).into_iter().position(|corner| corner == vertex);
-                        local[corner.unwrap_or_default()]
-                    })
-                };
-                let before = at(previous, local_coordinates(mesh, frame, previous));
-                self.layouts[previous.index()].1.continued(before, at(face, local))
+                let before = edge_first(mesh, previous, edge, local_coordinates(mesh, frame, previous));
+                let after = edge_first(mesh, face, edge, local);
+                let placed = self.similarities.get(previous);
+                let placed =
+                    placed.unwrap_or_else(|| unreachable!("{previous:?} queued {face:?} before it was unfolded"));
+                placed.continued(before, after)
             }
             None => {
                 let origin = corners.into_iter().position(|corner| corner == centre).unwrap_or_default();
-                Layout { shift: -local[origin], ..Layout::default() }
+                Similarity::translation(-local[origin])
             }
         };
-        self.layouts[face.index()] = (self.epoch, layout);
-        self.num_laid_out += 1;
+        self.similarities.set(face, similarity);
         for (corner, place) in corners.into_iter().zip(local) {
-            if self.place_of(mesh, corner).is_none() {
-                self.place(corner, layout.apply(place));
-            }
+            self.places.insert(corner, similarity.apply(place));
         }
+        self.queue_neighbours(mesh, face);
+    }
+
+    fn queue_neighbours(&mut self, mesh: &Mesh, face: FaceId) {
+        let num_unfolded = self.similarities.keys().len();
         for edge in mesh.face_edges(face).into_iter().flatten() {
             let ends = mesh.edge(edge);
             let [a, b] = ends.map(|end| self.place_of(mesh, end).map_or(f64::INFINITY, |place| place.norm()));
             for &neighbour in mesh.edge_faces(edge) {
-                if self.layouts[neighbour.index()].0 != self.epoch {
+                if !self.similarities.contains(neighbour) {
                     let apex = mesh.face(neighbour).into_iter().find(|corner| !ends.contains(corner));
-                    self.queue.push(Candidate {
+                    self.queue.push(QueuedFace {
                         distances: [a.min(b), a.max(b)],
                         apex: apex.unwrap_or_default(),
                         face: neighbour,
-                        from: Some((self.num_laid_out, face, edge)),
+                        from: Some((num_unfolded, face, edge)),
                     });
                 }
             }
         }
     }
+}
+
+/// Values of the corners of a face in the order: ends of an edge, third corner.
+fn edge_first(mesh: &Mesh, face: FaceId, edge: EdgeId, values: [Vector2<f64>; 3]) -> [Vector2<f64>; 3] {
+    let ends = mesh.edge(edge);
+    let apex = mesh.face(face).into_iter().find(|corner| !ends.contains(corner)).unwrap_or(ends[0]);
+    [ends[0], ends[1], apex].map(|vertex| {
+        let corner = mesh.face(face).into_iter().position(|corner| corner == vertex);
+        values[corner.unwrap_or_default()]
+    })
 }
 
 /// The face round a vertex with the shortest sides at the vertex.
@@ -240,52 +249,7 @@ fn first_face(mesh: &Mesh, frame: &Frame, centre: VertexId) -> Option<FaceId> {
     mesh.vertex_faces(centre).iter().copied().min_by(shorter)
 }
 
-/// A motion of the plane, with a scale: `z -> shift + turn * z` in complex numbers, or of the conjugate of `z` if mirrored.
-#[derive(Clone, Copy, Debug)]
-struct Layout {
-    turn: Vector2<f64>,
-    mirrored: bool,
-    shift: Vector2<f64>,
-}
-
-impl Default for Layout {
-    fn default() -> Self {
-        Self { turn: Vector2::new(1.0, 0.0), mirrored: false, shift: Vector2::zeros() }
-    }
-}
-
-impl Layout {
-    fn apply(&self, z: Vector2<f64>) -> Vector2<f64> {
-        self.shift + times(self.turn, conjugate_if(self.mirrored, z))
-    }
-
-    /// The layout of a neighbour: `before` and `after` are the ends of the common edge and the third corner, in the plane of
-    /// the face that has this layout and in that of the neighbour. The neighbour goes to the other side of the edge.
-    fn continued(&self, before: [Vector2<f64>; 3], after: [Vector2<f64>; 3]) -> Self {
-        let is_left = |[a, b, c]: [Vector2<f64>; 3]| (b - a).perp(&(c - a)) > 0.0;
-        let flip = is_left(before) == is_left(after);
-        let along = conjugate_if(flip, after[1] - after[0]);
-        let squared = along.norm_squared();
-        let relative = if squared > 0.0 {
-            times(before[1] - before[0], conjugate_if(true, along)) / squared
-        } else {
-            Vector2::new(1.0, 0.0)
-        };
-        let turn = times(self.turn, conjugate_if(self.mirrored, relative));
-        let mirrored = self.mirrored != flip;
-        Self { turn, mirrored, shift: self.apply(before[0]) - times(turn, conjugate_if(mirrored, after[0])) }
-    }
-}
-
-fn times(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x)
-}
-
-fn conjugate_if(conjugate: bool, z: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(z.x, if conjugate { -z.y } else { z.y })
-}
-
-/// A face in a plane of its own: its texture coordinates where they have an area, or a triangle of its rest lengths.
+/// A face in a plane of its own: its texture coordinates where they have an area, or else a triangle of its rest lengths.
 fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>; 3] {
     if let Some(uvs) = mesh.uvs() {
         let [a, b, c] = uvs.corners[face.index()].map(|corner| Vector2::from(uvs.coordinates[corner as usize]));
@@ -293,25 +257,29 @@ fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>;
             return [a, b, c];
         }
     }
-    // From the corners in the order of their vertices: no rounding depends on how the face is written down.
+    // From the corners in the order of their vertices: no rounding depends on the order in which the face names them.
     let mut order = [0, 1, 2];
     order.sort_unstable_by_key(|&corner| mesh.face(face)[corner]);
-    let [a, b, c] = order.map(|corner| mesh.face(face)[corner]).map(|vertex| match mesh.rest_positions() {
+    let corners = order.map(|corner| mesh.face(face)[corner]).map(|vertex| match mesh.rest_positions() {
         Some(rest) => Point3::from(rest[vertex.index()]),
         None => frame.position(vertex),
     });
+    let mut local = [Vector2::zeros(); 3];
+    for (corner, place) in order.into_iter().zip(flat_triangle(corners)) {
+        local[corner] = place;
+    }
+    local
+}
+
+/// A triangle laid into the plane: its first corner in the origin, its second on the axis of x, its third at or above it.
+fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Vector2<f64>; 3] {
     let (along, to_c) = (b - a, c - a);
     let length = along.norm();
-    let flat = if length > 0.0 {
+    if length > 0.0 {
         let x = to_c.dot(&along) / length;
         let y = (to_c - along * (x / length)).norm();
         [Vector2::zeros(), Vector2::new(length, 0.0), Vector2::new(x, y)]
     } else {
         [Vector2::zeros(), Vector2::zeros(), Vector2::new(0.0, to_c.norm())]
-    };
-    let mut local = [Vector2::zeros(); 3];
-    for (corner, place) in order.into_iter().zip(flat) {
-        local[corner] = place;
     }
-    local
 }

@@ -2,16 +2,18 @@
 
 use super::{
     InsideRegion, InsideRegions,
+    agreement::agreement,
+    detours::BoundaryDetours,
     disc::Disc,
-    flood::{Flood, Separation, Terms},
-    left::left_ends,
-    pair::{Shore, agreement},
-    side::{Scene, choose_side},
+    flood::{FillRules, Flood, Partition},
+    left_of_path::left_ends,
+    side::choose_side,
     starts_pair,
+    view::FrameView,
 };
 use crate::{
     frame::Frame,
-    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    mesh::{EdgeId, Mesh, VertexId},
     paths::{IntersectionPaths, PathCopy, PathPoint, PathType, SurfacePoint},
     settings::{InsideChoice, Settings},
     stage::StageObserver,
@@ -22,16 +24,16 @@ use crate::{
 pub struct RegionFinder {
     flood: Flood,
     disc: Disc,
-    shore: Shore,
-    /// For each edge that a path crosses its place among them and the end on the left, sorted.
+    detours: BoundaryDetours,
+    /// For each edge that a path crosses its place among the crossings and its end on the left, sorted.
     left: Vec<(EdgeId, usize, VertexId)>,
 }
 
 impl RegionFinder {
     /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is up.
     ///
-    /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture coordinates are no
-    /// smooth chart, O(n log n) in the faces of the disc.
+    /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture
+    /// coordinates are no smooth chart, O(n log n) in the faces of the disc.
     pub fn find(
         &mut self,
         mesh: &Mesh,
@@ -41,8 +43,8 @@ impl RegionFinder {
         observer: &mut dyn StageObserver,
         regions: &mut InsideRegions,
     ) {
-        let scene = &Scene { mesh, frame, paths, settings };
-        regions.start(paths);
+        let view = &FrameView { mesh, frame, paths, settings };
+        regions.reset(paths);
         for place in 0..regions.order.len() {
             if starts_pair(paths, &regions.order, place) && observer.is_spent() {
                 break;
@@ -51,56 +53,57 @@ impl RegionFinder {
             let copy = &paths.copies[index];
             let region = match copy.path_type {
                 PathType::Closed | PathType::LoopLoop | PathType::BoundaryBoundary => {
-                    Some(self.partition(scene, index, false, regions))
+                    Some(self.partition(view, index, false, regions))
                 }
                 PathType::BoundaryLoopInside | PathType::BoundaryLoopBoundary => {
-                    Some(self.cut_disc(scene, copy, regions))
+                    Some(self.partition_disc(view, copy, regions))
                 }
                 PathType::BoundaryInside | PathType::InsideInside => None,
             };
             regions.by_copy[index] = region;
-            self.join_copies(scene, index, regions);
-            self.agree(scene, index, regions);
+            self.partition_jointly(view, index, regions);
+            self.make_insides_agree(view, index, regions);
             regions.num_done = place + 1;
         }
     }
 
-    /// Where neither of two corresponding paths separates, both together may: two paths from hem to hem of a tube. An end a little way
-    /// inside of the hem, where the other sheet's hem pierces the cloth, counts as one on the hem.
-    fn join_copies(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
-        let first = scene.paths.copies[second].partner;
-        if first >= second || scene.paths.copies[second].closed {
+    /// Finds the region between two corresponding paths of which neither separates alone, but both together do: two paths that
+    /// join both boundaries of a tube. An end a little way inside of a boundary, where the boundary of the other sheet pierces
+    /// the cloth, counts as one on the boundary.
+    fn partition_jointly(&mut self, view: &FrameView<'_>, second: usize, regions: &mut InsideRegions) {
+        let first = view.paths.copies[second].partner;
+        if first >= second || view.paths.copies[second].closed {
             return;
         }
         let both = [first, second];
         if both.iter().any(|&copy| regions.by_copy[copy].as_ref().is_some_and(|region| region.partitioning)) {
             return;
         }
-        if !self.shore.reach(scene, both) {
+        if !self.detours.join_two_boundaries(view, both) {
             return;
         }
-        self.flood.begin(scene.mesh);
+        self.flood.reset(view.mesh);
         for (index, copy) in both.into_iter().enumerate() {
-            self.cross_edges(scene.paths, &scene.paths.copies[copy]);
-            self.shore.edges(index).for_each(|edge| self.flood.cross(edge));
+            self.cross_edges(view.paths, &view.paths.copies[copy]);
+            self.detours.edges(index).for_each(|edge| self.flood.cross(edge));
         }
-        let points = &scene.paths.points[scene.paths.copies[first].points.clone()];
-        let region = divide(&mut self.flood, scene, points, &|_| true, &|_| None, false, regions);
+        let points = view.points_of(&view.paths.copies[first]);
+        let region = fill_inside(&mut self.flood, view, points, &|_| true, &|_| None, false, regions);
         if region.partitioning {
             regions.by_copy[first] = Some(InsideRegion { joint: true, ..region });
             regions.by_copy[second] = Some(InsideRegion { partitioning: true, joint: true, ..InsideRegion::default() });
         }
     }
 
-    /// Two closed paths whose sheets run side by side rather than across each other have their insides on the same side: of two tubes
-    /// that run into each other both upper ends, or both lower ones. Where the smaller sides say otherwise, the smallest pair that agrees counts.
-    fn agree(&mut self, scene: &Scene<'_>, second: usize, regions: &mut InsideRegions) {
-        let first = scene.paths.copies[second].partner;
-        // The count stays as it is printed, and winding numbers, where they are asked for, know better.
-        let decided = scene.settings.winding
-            || scene.settings.inside == InsideChoice::Count
-            || !scene.paths.copies[second].closed;
-        if first >= second || decided || agreement(scene, first, regions) >= -0.5 {
+    /// Makes the insides of two closed paths agree: where their sheets run side by side rather than across each other, the
+    /// insides have to lie on the same side, of two tubes that run into each other both upper ends, or both lower ones. Where
+    /// the smaller sides say otherwise, the smallest pair of sides that agrees is taken.
+    fn make_insides_agree(&mut self, view: &FrameView<'_>, second: usize, regions: &mut InsideRegions) {
+        let first = view.paths.copies[second].partner;
+        // The paper's rule, by count, stays as the paper has it; winding numbers, where switched on, decide better.
+        let decided =
+            view.settings.winding || view.settings.inside == InsideChoice::Count || !view.paths.copies[second].closed;
+        if first >= second || decided || agreement(view, first, regions) >= -0.5 {
             return;
         }
         let both = [first, second];
@@ -109,29 +112,35 @@ impl RegionFinder {
         let mut other = [0; 2];
         for (copy, count) in both.into_iter().zip(&mut other) {
             regions.vertices.truncate(start);
-            *count = self.partition(scene, copy, true, regions).vertices.len();
+            *count = self.partition(view, copy, true, regions).vertices.len();
         }
         regions.vertices.truncate(start);
-        let turned = usize::from(kept[0] + other[1] < kept[1] + other[0]);
+        let flipped = usize::from(kept[0] + other[1] < kept[1] + other[0]);
         for (index, copy) in both.into_iter().enumerate() {
-            let region = self.partition(scene, copy, index == turned, regions);
+            let region = self.partition(view, copy, index == flipped, regions);
             regions.by_copy[copy] = Some(region);
         }
     }
 
-    /// The inside of one path; with `turned` the side that it would not choose.
-    fn partition(&mut self, scene: &Scene<'_>, copy: usize, turned: bool, regions: &mut InsideRegions) -> InsideRegion {
-        self.flood.begin(scene.mesh);
-        self.cross_edges(scene.paths, &scene.paths.copies[copy]);
-        let points = &scene.paths.points[scene.paths.copies[copy].points.clone()];
-        divide(&mut self.flood, scene, points, &|_| true, &|_| None, turned, regions)
+    /// The inside of one path, or, with `opposite`, the side that would not be chosen.
+    fn partition(
+        &mut self,
+        view: &FrameView<'_>,
+        copy: usize,
+        opposite: bool,
+        regions: &mut InsideRegions,
+    ) -> InsideRegion {
+        self.flood.reset(view.mesh);
+        self.cross_edges(view.paths, &view.paths.copies[copy]);
+        let points = view.points_of(&view.paths.copies[copy]);
+        fill_inside(&mut self.flood, view, points, &|_| true, &|_| None, opposite, regions)
     }
 
     /// The inside of the disc round the loop vertex of a BLI path.
-    fn cut_disc(&mut self, scene: &Scene<'_>, copy: &PathCopy, regions: &mut InsideRegions) -> InsideRegion {
-        let points = &scene.paths.points[copy.points.clone()];
-        let loop_vertices = &scene.paths.pairs[copy.pair].loop_vertices;
-        let segments = &scene.paths.segments[copy.segments.clone()];
+    fn partition_disc(&mut self, view: &FrameView<'_>, copy: &PathCopy, regions: &mut InsideRegions) -> InsideRegion {
+        let points = view.points_of(copy);
+        let loop_vertices = &view.paths.pairs[copy.pair].loop_vertices;
+        let segments = view.segments_of(copy);
         let passed = segments.windows(2).zip(&points[1..]).find_map(|(run, point)| match point.own {
             SurfacePoint::Vertex(vertex) if loop_vertices.contains(&vertex) => Some((vertex, [run[0].own, run[1].own])),
             _ => None,
@@ -140,20 +149,20 @@ impl RegionFinder {
             return InsideRegion::default();
         };
         let ends = [first.own, last.own];
-        let Some(radius) = self.disc.reach(scene.mesh, scene.frame, centre, around, ends) else {
+        let Some(radius) = self.disc.build(view.mesh, view.frame, centre, around, ends) else {
             return InsideRegion::default();
         };
-        self.flood.begin(scene.mesh);
-        self.cross_edges(scene.paths, copy);
-        left_ends(scene.mesh, points, segments, &mut self.left);
+        self.flood.reset(view.mesh);
+        self.cross_edges(view.paths, copy);
+        left_ends(view.mesh, points, segments, &mut self.left);
         let (disc, left) = (&self.disc, &self.left);
         let left = |edge| left.binary_search_by_key(&edge, |&(edge, ..)| edge).ok().map(|at| left[at].2);
-        let allowed = |vertex| disc.contains(scene.mesh, vertex);
-        let region = divide(&mut self.flood, scene, points, &allowed, &left, false, regions);
+        let allowed = |vertex| disc.contains(view.mesh, vertex);
+        let region = fill_inside(&mut self.flood, view, points, &allowed, &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
-    /// Tells the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path separates.
+    /// Notes in the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path separates.
     fn cross_edges(&mut self, paths: &IntersectionPaths, copy: &PathCopy) {
         let points = &paths.points[copy.points.clone()];
         // A closed path repeats its first point at the end.
@@ -168,45 +177,30 @@ impl RegionFinder {
     }
 }
 
-/// Fills both sides of the path that `flood` was told, and notes the inside; with `turned` the other side.
-fn divide(
+/// Fills both sides of the path whose crossings `flood` holds, and keeps the inside or, with `opposite`, the other side.
+fn fill_inside(
     flood: &mut Flood,
-    scene: &Scene<'_>,
+    view: &FrameView<'_>,
     points: &[PathPoint],
     allowed: &dyn Fn(VertexId) -> bool,
     left: &dyn Fn(EdgeId) -> Option<VertexId>,
-    turned: bool,
+    opposite: bool,
     regions: &mut InsideRegions,
 ) -> InsideRegion {
-    let (count, area) = (|_| 1.0, |vertex| vertex_area(scene, vertex));
-    let terms = match scene.settings.inside {
-        InsideChoice::Count | InsideChoice::Work => Terms { allowed, weight: &count, tie_weight: &area, left },
-        InsideChoice::Area => Terms { allowed, weight: &area, tie_weight: &count, left },
+    let (count, area) = (|_| 1.0, |vertex| view.vertex_area(vertex));
+    let rules = match view.settings.inside {
+        InsideChoice::Count | InsideChoice::Work => FillRules { allowed, weight: &count, tie_weight: &area, left },
+        InsideChoice::Area => FillRules { allowed, weight: &area, tie_weight: &count, left },
     };
     let first = regions.vertices.len();
-    let partitioning = flood.fill(scene.mesh, &terms) == Separation::Two;
+    let partitioning = flood.fill(view.mesh, &rules) == Partition::TwoSides;
     if partitioning {
-        let mut inside = choose_side(flood, scene, points, &terms);
-        if turned {
+        let mut inside = choose_side(flood, view, points, &rules);
+        if opposite {
             inside = 1 - inside;
-            flood.complete(scene.mesh, &terms);
+            flood.complete(view.mesh, &rules);
         }
         regions.vertices.extend_from_slice(flood.side(inside));
     }
     InsideRegion { partitioning, vertices: first..regions.vertices.len(), ..InsideRegion::default() }
-}
-
-/// A third of the area of the faces round a vertex, in square metres.
-///
-/// Each face counts half from either of its edges at the vertex. Edges are numbered by their vertices, and two numbers have one sum: so the
-/// order of the faces changes no digit, and exact ties stay ties.
-pub(crate) fn vertex_area(scene: &Scene<'_>, vertex: VertexId) -> f64 {
-    let area = |face: &FaceId| {
-        let mut corners = scene.mesh.face(*face);
-        corners.sort_unstable();
-        let [a, b, c] = corners.map(|corner| scene.frame.position(corner));
-        (b - a).cross(&(c - a)).norm() / 12.0
-    };
-    let beside = |&edge: &EdgeId| scene.mesh.edge_faces(edge).iter().map(area).sum::<f64>();
-    scene.mesh.vertex_edges(vertex).iter().map(beside).sum()
 }

@@ -1,182 +1,190 @@
-//! Parallel flood fill: colours the vertices on both sides of a path at once and stops as soon as the smaller side is done.
+//! Parallel flood fill: colours the vertices on both sides of a path at once and stops as soon as the smaller side is complete.
 //!
 //! Two vertices joined by an edge that the path crosses an odd number of times lie on different sides, all other neighbours on
-//! the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has been seen; then that side is
-//! closed, every crossed edge has exactly one end in it, and no odd cycle can exist anywhere: the path separates, although most of the larger side
-//! was never visited. The cost grows with the smaller side.
+//! the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has been seen; then that
+//! side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist anywhere: the path separates,
+//! although most of the larger side was never visited. The cost grows with the smaller side.
 
 use std::collections::VecDeque;
 
-use crate::mesh::{EdgeId, Mesh, VertexId};
+use crate::{
+    mesh::{EdgeId, Mesh, VertexId},
+    sparse_map::SparseMap,
+};
 
 /// What a fill found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Separation {
+pub(crate) enum Partition {
     /// The path does not divide the vertices in two.
-    None,
+    Connected,
     /// It does; the smaller side is complete in [`Flood::smaller`].
-    Two,
+    TwoSides,
 }
 
-/// What a fill asks about vertices and edges.
-pub(crate) struct Terms<'a> {
+/// The rules of a fill: which vertices take part, and how both sides are compared.
+pub(crate) struct FillRules<'a> {
     /// Whether a vertex belongs to the part of the cloth that is to be divided.
     pub(crate) allowed: &'a dyn Fn(VertexId) -> bool,
-    /// How much a vertex counts: the smaller side has less of it.
+    /// The weight of a vertex: the side with the smaller sum is the smaller one.
     pub(crate) weight: &'a dyn Fn(VertexId) -> f64,
-    /// What decides where both sides weigh exactly the same.
+    /// Weights that decide where both sums are exactly the same.
     pub(crate) tie_weight: &'a dyn Fn(VertexId) -> f64,
-    /// The end of a crossed edge to the left of the path, if that is known: what tells the sides of parts of the path from each other
-    /// that no way inside the allowed part connects.
+    /// The end of a crossed edge to the left of the path, if that is known: it tells the sides apart on parts of the path that
+    /// no way inside the allowed vertices connects.
     pub(crate) left: &'a dyn Fn(EdgeId) -> Option<VertexId>,
 }
 
-/// Memory of the fill; nothing is cleared between fills, a new epoch makes old marks void.
+/// An edge that the path crosses.
+#[derive(Clone, Copy, Debug, Default)]
+struct Crossing {
+    /// Whether the number of crossings is odd.
+    is_odd: bool,
+    /// Whether the fill has come to it.
+    is_seen: bool,
+}
+
+/// The state of a fill, reusing its memory from fill to fill.
 #[derive(Debug, Default)]
 pub(crate) struct Flood {
-    epoch: u32,
-    /// Epoch and side of the last colouring of each vertex.
-    colour: Vec<(u32, u8)>,
-    /// Epoch in which each edge was last crossed, and whether the fill has seen it.
-    crossed: Vec<(u32, bool)>,
-    /// Epoch in which each vertex was last taken out.
-    removed: Vec<u32>,
+    /// The side of each vertex that was visited.
+    colour: SparseMap<VertexId, u8>,
+    crossings: SparseMap<EdgeId, Crossing>,
+    removed: SparseMap<VertexId, ()>,
     queues: [VecDeque<VertexId>; 2],
     sides: [Vec<VertexId>; 2],
+    /// Sums of the weights of both sides so far.
+    weights: [f64; 2],
     smaller: usize,
+    /// Edges that separate their ends, ascending.
     odd_edges: Vec<EdgeId>,
 }
 
 impl Flood {
-    /// Starts a fill: forgets crossed edges and removed vertices.
-    pub(crate) fn begin(&mut self, mesh: &Mesh) {
-        self.colour.resize(mesh.num_vertices(), (0, 0));
-        self.removed.resize(mesh.num_vertices(), 0);
-        self.crossed.resize(mesh.num_edges(), (0, false));
-        self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
-            self.colour.fill((0, 0));
-            self.removed.fill(0);
-            self.crossed.fill((0, false));
-            1
-        });
-        self.odd_edges.clear();
+    /// Clears crossed edges, removed vertices and both sides.
+    pub(crate) fn reset(&mut self, mesh: &Mesh) {
+        self.colour.reset(mesh.num_vertices());
+        self.removed.reset(mesh.num_vertices());
+        self.crossings.reset(mesh.num_edges());
     }
 
     /// The path crosses this edge once more.
     pub(crate) fn cross(&mut self, edge: EdgeId) {
-        let slot = &mut self.crossed[edge.index()];
-        if slot.0 == self.epoch {
-            slot.0 = 0;
-        } else {
-            *slot = (self.epoch, false);
-            self.odd_edges.push(edge);
-        }
+        let crossing = self.crossings.entry(edge);
+        crossing.is_odd = !crossing.is_odd;
     }
 
     /// Takes a vertex out, with all its edges.
     pub(crate) fn remove(&mut self, vertex: VertexId) {
-        self.removed[vertex.index()] = self.epoch;
+        self.removed.set(vertex, ());
     }
 
     fn is_crossed(&self, edge: EdgeId) -> bool {
-        self.crossed[edge.index()].0 == self.epoch
+        self.crossings.get(edge).is_some_and(|crossing| crossing.is_odd)
     }
 
     /// Fills both sides.
-    pub(crate) fn fill(&mut self, mesh: &Mesh, terms: &Terms<'_>) -> Separation {
+    pub(crate) fn fill(&mut self, mesh: &Mesh, rules: &FillRules<'_>) -> Partition {
         for side in 0..2 {
             self.queues[side].clear();
             self.sides[side].clear();
         }
+        self.weights = [0.0; 2];
         self.smaller = 0;
-        let separation = self.fill_open(mesh, terms);
-        if separation == Separation::Two {
-            self.smaller = self.choose_smaller(terms);
+        let mut odd_edges = std::mem::take(&mut self.odd_edges);
+        odd_edges.clear();
+        odd_edges.extend(self.crossings.keys().iter().copied().filter(|&edge| {
+            self.is_crossed(edge) && mesh.edge(edge).into_iter().all(|vertex| self.is_open(vertex, rules))
+        }));
+        odd_edges.sort_unstable();
+        let partition = self.fill_from(mesh, rules, &odd_edges);
+        self.odd_edges = odd_edges;
+        if partition == Partition::TwoSides {
+            self.smaller = self.choose_smaller(rules);
             self.sides[self.smaller].sort_unstable();
         }
-        separation
+        partition
     }
 
-    fn is_open(&self, vertex: VertexId, terms: &Terms<'_>) -> bool {
-        self.removed[vertex.index()] != self.epoch && (terms.allowed)(vertex)
+    fn is_open(&self, vertex: VertexId, rules: &FillRules<'_>) -> bool {
+        !self.removed.contains(vertex) && (rules.allowed)(vertex)
     }
 
-    fn fill_open(&mut self, mesh: &Mesh, terms: &Terms<'_>) -> Separation {
-        // An edge crossed an even number of times was pushed once for each odd count on the way.
-        let mut odd_edges = std::mem::take(&mut self.odd_edges);
-        odd_edges.sort_unstable();
-        odd_edges.dedup();
-        odd_edges.retain(|&edge| {
-            self.is_crossed(edge) && mesh.edge(edge).into_iter().all(|vertex| self.is_open(vertex, terms))
-        });
-        let separation = self.fill_from(mesh, terms, &odd_edges);
-        self.odd_edges = odd_edges;
-        separation
-    }
-
-    fn fill_from(&mut self, mesh: &Mesh, terms: &Terms<'_>, odd_edges: &[EdgeId]) -> Separation {
+    /// Fills from the first edge, on whose ends both sides begin, until one side is closed or a vertex would be on both.
+    fn fill_from(&mut self, mesh: &Mesh, rules: &FillRules<'_>, odd_edges: &[EdgeId]) -> Partition {
         let Some(&seed) = odd_edges.first() else {
-            // Nothing to tell apart: a region without vertices.
-            return Separation::Two;
+            // No edge separates anything: a region without vertices.
+            return Partition::TwoSides;
         };
-        let mut unseen = odd_edges.len();
-        let mut weights = [0.0; 2];
-        for (side, vertex) in mesh.edge(seed).into_iter().enumerate() {
-            self.push(side, vertex);
-            weights[side] += (terms.weight)(vertex);
-        }
-        let left_side = (terms.left)(seed).map(|left| usize::from(mesh.edge(seed)[1] == left));
+        let mut num_unseen = odd_edges.len();
+        self.start_at(mesh, rules, seed, 0);
+        let left_side = (rules.left)(seed).map(|left| usize::from(mesh.edge(seed)[1] == left));
         loop {
             let exhausted = [0, 1].map(|side: usize| self.queues[side].is_empty());
-            let done = |side: usize| exhausted[side] && (exhausted[1 - side] || weights[1 - side] > weights[side]);
-            if unseen == 0 && (done(0) || done(1)) {
-                break;
+            let done =
+                |side: usize| exhausted[side] && (exhausted[1 - side] || self.weights[1 - side] > self.weights[side]);
+            if num_unseen == 0 && (done(0) || done(1)) {
+                return Partition::TwoSides;
             }
             if exhausted == [true; 2] {
-                // A part of the path that no way inside the allowed vertices connects with the others.
-                let next = odd_edges.iter().find(|edge| !self.crossed[edge.index()].1);
-                let known = next.and_then(|&edge| Some((edge, (terms.left)(edge)?, left_side?)));
-                let Some((edge, left, left_side)) = known else { return Separation::None };
-                for vertex in mesh.edge(edge) {
-                    let side = if vertex == left { left_side } else { 1 - left_side };
-                    self.push(side, vertex);
-                    weights[side] += (terms.weight)(vertex);
-                }
+                // A part of the path is left that no way inside the allowed vertices connects with the others.
+                let unseen = odd_edges.iter().find(|&&edge| !self.is_seen(edge));
+                let known = unseen.and_then(|&edge| Some((edge, (rules.left)(edge)?, left_side?)));
+                let Some((edge, left, left_side)) = known else { return Partition::Connected };
+                let first_side = if mesh.edge(edge)[0] == left { left_side } else { 1 - left_side };
+                self.start_at(mesh, rules, edge, first_side);
                 continue;
             }
-            let side = if exhausted[0] || (!exhausted[1] && weights[1] < weights[0]) { 1 } else { 0 };
-            let Some(vertex) = self.queues[side].pop_front() else { unreachable!("not both are exhausted") };
-            for &edge in mesh.vertex_edges(vertex) {
-                let neighbour = mesh.opposite_vertex(edge, vertex);
-                if !self.is_open(neighbour, terms) {
-                    continue;
-                }
-                let across = self.is_crossed(edge);
-                if across && !std::mem::replace(&mut self.crossed[edge.index()].1, true) {
-                    unseen -= 1;
-                }
-                let wanted = if across { 1 - side } else { side };
-                match self.side_of(neighbour) {
-                    Some(found) if found != wanted => return Separation::None,
-                    Some(_) => {}
-                    None => {
-                        self.push(wanted, neighbour);
-                        weights[wanted] += (terms.weight)(neighbour);
-                    }
-                }
-            }
+            let side = if exhausted[0] || (!exhausted[1] && self.weights[1] < self.weights[0]) { 1 } else { 0 };
+            let Some(vertex) = self.queues[side].pop_front() else {
+                unreachable!("side {side} of the fill from {seed:?} is not exhausted, but has no vertex to visit")
+            };
+            let Some(num_seen) = self.visit(mesh, rules, side, vertex) else { return Partition::Connected };
+            num_unseen -= num_seen;
         }
-        Separation::Two
     }
 
-    /// Goes on until the other side is complete too. To be called only after a fill that separated: then no conflict can
-    /// come up any more.
-    pub(crate) fn complete(&mut self, mesh: &Mesh, terms: &Terms<'_>) {
+    /// Begins both sides at the ends of a crossed edge: the first end on `first_side`, the second on the other one.
+    fn start_at(&mut self, mesh: &Mesh, rules: &FillRules<'_>, edge: EdgeId, first_side: usize) {
+        let [first, second] = mesh.edge(edge);
+        self.push_weighed(rules, first_side, first);
+        self.push_weighed(rules, 1 - first_side, second);
+    }
+
+    /// Colours the neighbours of a vertex. Returns the number of crossed edges seen for the first time; nothing if a neighbour
+    /// would be on both sides.
+    fn visit(&mut self, mesh: &Mesh, rules: &FillRules<'_>, side: usize, vertex: VertexId) -> Option<usize> {
+        let mut num_seen = 0;
+        for &edge in mesh.vertex_edges(vertex) {
+            let neighbour = mesh.opposite_vertex(edge, vertex);
+            if !self.is_open(neighbour, rules) {
+                continue;
+            }
+            let is_across = self.is_crossed(edge);
+            if is_across && !std::mem::replace(&mut self.crossings.entry(edge).is_seen, true) {
+                num_seen += 1;
+            }
+            let wanted = if is_across { 1 - side } else { side };
+            match self.side_of(neighbour) {
+                Some(found) if found != wanted => return None,
+                Some(_) => {}
+                None => self.push_weighed(rules, wanted, neighbour),
+            }
+        }
+        Some(num_seen)
+    }
+
+    fn is_seen(&self, edge: EdgeId) -> bool {
+        self.crossings.get(edge).is_some_and(|crossing| crossing.is_seen)
+    }
+
+    /// Continues until the other side is complete too. To be called only after a fill that separated: from then on no vertex
+    /// can come to be on both sides.
+    pub(crate) fn complete(&mut self, mesh: &Mesh, rules: &FillRules<'_>) {
         for side in 0..2 {
             while let Some(vertex) = self.queues[side].pop_front() {
                 for &edge in mesh.vertex_edges(vertex) {
                     let neighbour = mesh.opposite_vertex(edge, vertex);
-                    if self.is_open(neighbour, terms) && self.side_of(neighbour).is_none() {
+                    if self.is_open(neighbour, rules) && self.side_of(neighbour).is_none() {
                         let wanted = if self.is_crossed(edge) { 1 - side } else { side };
                         self.push(wanted, neighbour);
                     }
@@ -186,27 +194,31 @@ impl Flood {
         self.sides.iter_mut().for_each(|side| side.sort_unstable());
     }
 
-    fn choose_smaller(&self, terms: &Terms<'_>) -> usize {
+    fn choose_smaller(&self, rules: &FillRules<'_>) -> usize {
         let total = |side: usize, weight: &dyn Fn(VertexId) -> f64| -> f64 {
             self.sides[side].iter().map(|&vertex| weight(vertex)).sum()
         };
         let lowest = |side: usize| self.sides[side].iter().min();
-        let order = total(0, terms.weight).total_cmp(&total(1, terms.weight));
-        // The fill ran to the end of both sides if they weigh the same.
-        let order = order.then_with(|| total(0, terms.tie_weight).total_cmp(&total(1, terms.tie_weight)));
+        let order = total(0, rules.weight).total_cmp(&total(1, rules.weight));
+        // The fill completed both sides if they weigh the same.
+        let order = order.then_with(|| total(0, rules.tie_weight).total_cmp(&total(1, rules.tie_weight)));
         usize::from(order.then_with(|| lowest(0).cmp(&lowest(1))).is_gt())
     }
 
+    fn push_weighed(&mut self, rules: &FillRules<'_>, side: usize, vertex: VertexId) {
+        self.push(side, vertex);
+        self.weights[side] += (rules.weight)(vertex);
+    }
+
     fn push(&mut self, side: usize, vertex: VertexId) {
-        self.colour[vertex.index()] = (self.epoch, u8::from(side == 1));
+        self.colour.set(vertex, u8::from(side == 1));
         self.queues[side].push_back(vertex);
         self.sides[side].push(vertex);
     }
 
     /// The side on which a vertex was found, if it was visited.
     pub(crate) fn side_of(&self, vertex: VertexId) -> Option<usize> {
-        let (epoch, side) = self.colour[vertex.index()];
-        (epoch == self.epoch).then_some(usize::from(side))
+        self.colour.get(vertex).map(usize::from)
     }
 
     /// Which side is the smaller one, after a fill that separated. Its vertices are all known.
@@ -225,7 +237,8 @@ mod tests {
     use super::*;
     use crate::mesh::MeshDescription;
 
-    const ALL: Terms<'_> = Terms { allowed: &|_| true, weight: &|_| 1.0, tie_weight: &|_| 0.0, left: &|_| None };
+    const ALL: FillRules<'_> =
+        FillRules { allowed: &|_| true, weight: &|_| 1.0, tie_weight: &|_| 0.0, left: &|_| None };
 
     /// A strip of `n` quads, two vertices a column.
     fn strip(n: u32) -> Mesh {
@@ -238,46 +251,46 @@ mod tests {
     }
 
     #[test]
-    fn the_smaller_side_of_a_cut_strip() {
+    fn fill_of_cut_strip_completes_the_smaller_side_only() {
         let mesh = strip(50);
         let mut flood = Flood::default();
-        flood.begin(&mesh);
+        flood.reset(&mesh);
         for (a, b) in [(4, 6), (5, 6), (5, 7)] {
             flood.cross(edge(&mesh, a, b));
         }
-        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
         assert_eq!(flood.side(flood.smaller()), [0, 1, 2, 3, 4, 5].map(VertexId));
-        // The larger side was left alone.
+        // Most of the larger side was not visited.
         assert!(flood.sides[1 - flood.smaller].len() < 16);
     }
 
     #[test]
-    fn an_edge_crossed_twice_is_not_crossed() {
+    fn fill_ignores_edges_crossed_an_even_number_of_times() {
         let mesh = strip(4);
         let mut flood = Flood::default();
-        flood.begin(&mesh);
+        flood.reset(&mesh);
         for _ in 0..2 {
             flood.cross(edge(&mesh, 4, 6));
         }
-        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
         assert!(flood.side(flood.smaller()).is_empty());
-        flood.begin(&mesh);
+        flood.reset(&mesh);
         for _ in 0..3 {
             flood.cross(edge(&mesh, 4, 6));
         }
         // One edge alone does not separate.
-        assert_eq!(flood.fill(&mesh, &ALL), Separation::None);
+        assert_eq!(flood.fill(&mesh, &ALL), Partition::Connected);
     }
 
     #[test]
-    fn removed_vertices_do_not_carry_colour() {
+    fn fill_does_not_pass_through_removed_vertices() {
         let mesh = strip(4);
         let mut flood = Flood::default();
-        flood.begin(&mesh);
+        flood.reset(&mesh);
         flood.remove(VertexId(4));
         flood.cross(edge(&mesh, 5, 7));
         flood.cross(edge(&mesh, 5, 6));
-        assert_eq!(flood.fill(&mesh, &ALL), Separation::Two);
+        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
         assert_eq!(flood.side(flood.smaller()), [6, 7, 8, 9].map(VertexId));
     }
 }

@@ -1,13 +1,14 @@
-//! Inside regions: the part of the cloth that is on the wrong side of a path.
+//! Inside regions: the parts of the cloth that are on the wrong side of a path.
 
+mod agreement;
+mod detours;
 mod disc;
 mod finder;
 mod flood;
-mod left;
-mod pair;
+mod left_of_path;
 mod side;
-mod winding;
-mod work;
+mod similarity;
+mod view;
 
 use std::ops::Range;
 
@@ -20,31 +21,33 @@ pub use finder::RegionFinder;
 pub struct InsideRegion {
     /// Whether the path divides its piece (or, for BLI, its disc) in two.
     pub partitioning: bool,
-    /// Its vertices in [`InsideRegions::vertices`], ascending, loop vertices left out. Empty where nothing separates, no vertex lies
-    /// inside, or another path of the pair carries the region of both.
+    /// Its vertices in [`InsideRegions::vertices`], ascending, without loop vertices. Empty where nothing separates, no vertex
+    /// lies inside, or the other path of the pair carries the region of both.
     pub vertices: Range<usize>,
     /// Whether only both paths of the pair together divide the piece: the first then carries the vertices of both.
     pub joint: bool,
-    /// Radius of the disc round the loop vertex in the units of the texture coordinates, or of the rest lengths in metres (BLI, BLB).
+    /// Radius of the disc round the loop vertex (BLI, BLB), in the unit of the texture coordinates, or in metres where rest
+    /// lengths stand in for them.
     pub disc_radius: Option<f64>,
 }
 
 /// The inside regions of all paths of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct InsideRegions {
-    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and BI, which have
-    /// none but jointly with their corresponding path.
+    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and BI,
+    /// which have one only jointly with their corresponding path.
     pub by_copy: Vec<Option<InsideRegion>>,
     /// Vertices of all regions.
     pub vertices: Vec<VertexId>,
-    /// The order in which a frame is worked on: all copies, the longest pairs first.
+    /// The order of work in a frame: all copies, the longest pairs first.
     pub order: Vec<usize>,
-    /// Copies of `order` that were looked at: all, unless time was up.
+    /// Number of copies of `order` that were processed: all, unless time was up.
     pub num_done: usize,
 }
 
 impl InsideRegions {
-    fn start(&mut self, paths: &IntersectionPaths) {
+    /// Clears the regions, and sorts the paths of a frame into the order of work.
+    fn reset(&mut self, paths: &IntersectionPaths) {
         self.by_copy.clear();
         self.by_copy.resize(paths.copies.len(), None);
         self.vertices.clear();
@@ -65,7 +68,7 @@ impl InsideRegions {
     }
 }
 
-/// Whether another pair of paths begins at a place of the order of work: a frame ends between pairs.
+/// Whether another pair of paths begins at a place of the order of work: a frame that runs out of time ends between pairs.
 pub(crate) fn starts_pair(paths: &IntersectionPaths, order: &[usize], place: usize) -> bool {
     place == 0 || paths.copies[order[place - 1]].pair != paths.copies[order[place]].pair
 }

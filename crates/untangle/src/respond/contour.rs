@@ -1,9 +1,10 @@
-//! Contour minimisation: forces down the gradient of the length of a path.
+//! Contour minimisation: forces down the gradient of the length of a path, after Volino and Magnenat-Thalmann (2006), here
+//! with the exact gradient.
 //!
-//! Volino and Magnenat-Thalmann (2006) in exact form. At an edge-face intersection `P = (1-t) x0 + t x1 = sum beta_k y_k`, with the
-//! unit direction `E` of the edge, the normal `N` of the face, the sum `R` of the unit directions in which the path leaves `P`, and
-//! `c = (E.R) / (E.N)`, the length changes by `-(1-t)(R - cN)` for `x0`, `-t(R - cN)` for `x1`, `-beta_k c N` for `y_k`; in a loop
-//! vertex by `-R`. All that acts at `P` sums up to `-R`, whatever `c` is, so that momenta are kept also where `c` is tamed.
+//! At an edge-face intersection `P = (1-t) x0 + t x1 = sum beta_k y_k`, with the unit direction `E` of the edge, the normal
+//! `N` of the face, the sum `R` of the unit directions in which the path leaves `P`, and `c = (E.R) / (E.N)`, the length
+//! changes by `-(1-t)(R - cN)` for `x0`, `-t(R - cN)` for `x1`, `-beta_k c N` for `y_k`; in a loop vertex by `-R`. All forces
+//! at `P` sum up to `-R`, whatever `c` is, so that momenta are kept also where `c` is regularised.
 
 use nalgebra::Vector3;
 
@@ -13,11 +14,11 @@ use crate::{
     paths::{PathPoint, SurfacePoint},
 };
 
-/// Tames `c` where an edge runs along the face that it pierces: `c = (E.R)(E.N) / ((E.N)^2 + GUARD)`.
+/// Regularises `c` where an edge is nearly parallel to the face that it pierces: `c = (E.R)(E.N) / ((E.N)^2 + GUARD)`.
 pub(crate) const GUARD: f64 = 0.04;
 
-/// Calls `add` with vertices and the gradient, with respect to their positions, of the world length of a path: dimensionless, and
-/// several times for one vertex.
+/// Calls `add` with vertices and the gradient, with respect to their positions, of the world length of a path: dimensionless,
+/// and several times for one vertex.
 pub(crate) fn length_gradient(
     mesh: &Mesh,
     frame: &Frame,
@@ -26,21 +27,9 @@ pub(crate) fn length_gradient(
     guard: f64,
     mut add: impl FnMut(VertexId, Vector3<f64>),
 ) {
-    let last = points.len() - 1;
-    let count = if closed { last } else { points.len() };
-    let direction = |from: usize, to: usize| {
-        (points[to].position - points[from].position).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
-    };
+    let count = if closed { points.len() - 1 } else { points.len() };
     for (index, point) in points.iter().enumerate().take(count) {
-        let mut leaving = Vector3::zeros();
-        if index < last {
-            leaving += direction(index, index + 1);
-        }
-        if index > 0 {
-            leaving += direction(index, index - 1);
-        } else if closed {
-            leaving += direction(0, last - 1);
-        }
+        let leaving = leaving_directions(points, index, closed);
         let pierced = match (point.own, point.partner) {
             (SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
             | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter }) => {
@@ -66,6 +55,24 @@ pub(crate) fn length_gradient(
             add(vertex, normal * (-weight * c));
         }
     }
+}
+
+/// The sum of the unit directions in which a path leaves one of its points.
+fn leaving_directions(points: &[PathPoint], index: usize, closed: bool) -> Vector3<f64> {
+    let last = points.len() - 1;
+    let direction = |from: usize, to: usize| {
+        (points[to].position - points[from].position).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+    };
+    let mut leaving = Vector3::zeros();
+    if index < last {
+        leaving += direction(index, index + 1);
+    }
+    if index > 0 {
+        leaving += direction(index, index - 1);
+    } else if closed {
+        leaving += direction(0, last - 1);
+    }
+    leaving
 }
 
 /// Spreads a vector over the vertices of a place.
@@ -134,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn agrees_with_finite_differences() {
+    fn length_gradient_agrees_with_finite_differences() {
         let (mesh, mut positions) = scene();
         let frame = Frame::new(&mesh, &positions).unwrap();
         let analysis = analyse(&mesh, &frame);

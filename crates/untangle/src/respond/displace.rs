@@ -1,7 +1,7 @@
 //! Direct displacement: every vertex inside moves a part of the way to its target at once.
 //!
-//! Section 5.2 of Wicke, Lanker and Gross (2006). They move both sheets of pairs that have two regions; here the other sheet of a
-//! one-sided pair moves towards the inside too, since half the way of one side alone only lengthens the path.
+//! Section 5.2 of Wicke, Lanker and Gross (2006). They move both sheets of pairs that have two regions; here the other sheet
+//! of a one-sided pair moves towards the inside too, since half the way of one side alone only lengthens the path.
 
 use nalgebra::Vector3;
 
@@ -11,32 +11,33 @@ use crate::{
     frame::Frame,
     mesh::{Mesh, VertexId},
     respond::Corrections,
+    sparse_map::SparseMap,
 };
 
-/// "Somewhat more than half" of the way.
+/// The part of the way to the target: "somewhat more than half", says the paper.
 const PART_OF_WAY: f64 = 0.6;
 
-/// Weighted means of displacements, in metres.
+/// Weighted means of displacements, in metres, by vertex.
 #[derive(Debug, Default)]
 pub(crate) struct Displacements {
-    sums: Vec<Vector3<f64>>,
-    weights: Vec<f64>,
-    touched: Vec<VertexId>,
+    sums: SparseMap<VertexId, WeightedSum>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct WeightedSum {
+    sum: Vector3<f64>,
+    weight: f64,
 }
 
 impl Displacements {
-    /// Begins anew.
-    pub(crate) fn start(&mut self, num_vertices: usize) {
-        for vertex in self.touched.drain(..) {
-            self.sums[vertex.index()] = Vector3::zeros();
-            self.weights[vertex.index()] = 0.0;
-        }
-        self.sums.resize(num_vertices, Vector3::zeros());
-        self.weights.resize(num_vertices, 0.0);
+    /// Clears all displacements.
+    pub(crate) fn reset(&mut self, num_vertices: usize) {
+        self.sums.reset(num_vertices);
     }
 
-    /// Adds the ways of one path; `offset_m` is half of the gap that shall be left, `two_sided` says that the corresponding path adds its own.
-    pub(crate) fn follow(
+    /// Adds the displacements of one path; `offset_m` is half of the gap that shall be left, `two_sided` says that the
+    /// corresponding path adds its own.
+    pub(crate) fn add_path(
         &mut self,
         frame: &Frame,
         found: &Correspondences,
@@ -45,10 +46,10 @@ impl Displacements {
         two_sided: bool,
     ) {
         for attraction in &found.attractions[path.attractions.clone()] {
-            let way = attraction.target.position(frame) - attraction.source.position(frame);
-            let distance = way.norm();
+            let displacement = attraction.target.position(frame) - attraction.source.position(frame);
+            let distance = displacement.norm();
             if distance > 1e-9 * path.edge_length_m {
-                let step = way * (PART_OF_WAY + 0.5 * offset_m / distance);
+                let step = displacement * (PART_OF_WAY + 0.5 * offset_m / distance);
                 self.add(&attraction.source, step, 1.0);
                 if !two_sided {
                     self.add(&attraction.target, -step, 1.0);
@@ -64,23 +65,20 @@ impl Displacements {
 
     fn add(&mut self, point: &MaterialPoint, step: Vector3<f64>, weight: f64) {
         for (&vertex, part) in point.vertices.iter().zip(point.weights).filter(|(_, part)| *part > 0.0) {
-            let sum = &mut self.weights[vertex.index()];
-            if *sum == 0.0 {
-                self.touched.push(vertex);
-            }
-            *sum += part * weight;
-            self.sums[vertex.index()] += step * (part * weight);
+            let sum = self.sums.entry(vertex);
+            sum.weight += part * weight;
+            sum.sum += step * (part * weight);
         }
     }
 
     /// Adds the means, as forces, to corrections.
     pub(crate) fn finish(&self, mesh: &Mesh, corrections: &mut Corrections) {
-        for &vertex in self.touched.iter().filter(|&&vertex| !mesh.is_pinned(vertex)) {
-            let weight = self.weights[vertex.index()];
+        for &vertex in self.sums.keys().iter().filter(|&&vertex| !mesh.is_pinned(vertex)) {
+            let WeightedSum { sum, weight } = self.sums.get(vertex).unwrap_or_default();
             if weight > 0.0 {
                 let mass = mass_kg(mesh, vertex);
                 let force = &mut corrections.forces[vertex.index()];
-                *force += self.sums[vertex.index()] * (mass / weight);
+                *force += sum * (mass / weight);
                 if mass > 0.0 {
                     corrections.max_displacement_m = corrections.max_displacement_m.max(force.norm() / mass);
                 }

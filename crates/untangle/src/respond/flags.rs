@@ -1,4 +1,4 @@
-//! What a host is told about vertices: inside, near a path, pinned.
+//! Flags of vertices for the host: inside, near a path, pinned.
 
 use crate::{
     analysis::Analysis,
@@ -6,7 +6,8 @@ use crate::{
     respond::VertexFlags,
 };
 
-/// Sets the flags of all vertices; `flags` holds one, unset, for each. `front` is scratch.
+/// Sets the flags of all vertices; `flags` holds one, unset, for each. Near a path is the k-ring, `k = rings`, of the faces that
+/// intersect. `front` is scratch.
 ///
 /// Cost: linear in the regions and the flagged vertices, and one pass over all vertices where some are pinned.
 pub(crate) fn set_flags(

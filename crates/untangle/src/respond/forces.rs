@@ -1,4 +1,4 @@
-//! Where forces are summed: opposite pairs, each spread over the vertices of the face in which it acts.
+//! The force law, and sums of forces: opposite pairs, each spread over the vertices of the face in which it acts.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,6 +7,8 @@ use crate::{
     frame::Frame,
     mesh::{Mesh, VertexId},
     respond::{Corrections, VertexFlags},
+    settings::Settings,
+    sparse_map::SparseMap,
 };
 
 /// The sum of a vertex is limited to this many times the largest correction of one path.
@@ -24,48 +26,53 @@ pub(crate) struct ForceLaw {
 }
 
 impl ForceLaw {
+    /// The law for a path through faces of a mean edge length.
+    pub(crate) fn new(settings: &Settings, edge_length_m: f64) -> Self {
+        Self {
+            stiffness: settings.stiffness_per_step2,
+            offset_m: 0.5 * settings.thickness_m.unwrap_or(edge_length_m),
+            largest_m: settings.max_step_edge_lengths * edge_length_m,
+        }
+    }
+
     /// `min(k (d + h/2), f_max)`, in metres of displacement of one step.
     ///
-    /// Equation 4 of Wicke, Lanker and Gross (2006) prints `max`; its text means `min`. Their law vanishes as the gap closes, where the
-    /// stiffness of the cloth stalls it: hence the offset.
+    /// Equation 4 of Wicke, Lanker and Gross (2006) prints `max`; its text means `min`. Their law vanishes as the gap closes,
+    /// where the stiffness of the cloth stalls it: hence the offset.
     pub(crate) fn step(&self, distance_m: f64) -> f64 {
         (self.stiffness * (distance_m + self.offset_m)).min(self.largest_m)
     }
 }
 
-/// Sums of forces, in kg m / step^2, with what is needed to limit them.
+/// Sums of forces by vertex, with what is needed to limit them.
 #[derive(Debug, Default)]
 pub(crate) struct Forces {
-    sums: Vec<Vector3<f64>>,
-    /// For each vertex the largest displacement of one step that some path grants it; zero where nothing acts.
-    limits_m: Vec<f64>,
-    /// Vertices on which something acts, in the order met.
-    touched: Vec<VertexId>,
+    sums: SparseMap<VertexId, VertexForce>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct VertexForce {
+    /// In kg m / step^2.
+    sum: Vector3<f64>,
+    /// The largest displacement of one step that some path allows the vertex.
+    limit_m: f64,
 }
 
 impl Forces {
-    /// Begins anew.
-    pub(crate) fn start(&mut self, num_vertices: usize) {
-        for vertex in self.touched.drain(..) {
-            self.sums[vertex.index()] = Vector3::zeros();
-            self.limits_m[vertex.index()] = 0.0;
-        }
-        self.sums.resize(num_vertices, Vector3::zeros());
-        self.limits_m.resize(num_vertices, 0.0);
+    /// Clears all forces.
+    pub(crate) fn reset(&mut self, num_vertices: usize) {
+        self.sums.reset(num_vertices);
     }
 
     /// Adds a force on one vertex.
     pub(crate) fn add(&mut self, vertex: VertexId, force: Vector3<f64>, limit_m: f64) {
-        let limit = &mut self.limits_m[vertex.index()];
-        if *limit == 0.0 {
-            self.touched.push(vertex);
-        }
-        *limit = limit.max(limit_m.max(f64::MIN_POSITIVE));
-        self.sums[vertex.index()] += force;
+        let total = self.sums.entry(vertex);
+        total.limit_m = total.limit_m.max(limit_m.max(f64::MIN_POSITIVE));
+        total.sum += force;
     }
 
-    /// Adds a force at a point and its opposite at another. With both in one place, or the force along the line between them, neither the
-    /// sum of all forces nor that of all torques changes.
+    /// Adds a force at a point and its opposite at another. With both in one place, or the force along the line between them,
+    /// neither the sum of all forces nor that of all torques changes.
     pub(crate) fn add_pair(&mut self, at: &MaterialPoint, against: &MaterialPoint, force: Vector3<f64>, limit_m: f64) {
         for (point, sign) in [(at, 1.0), (against, -1.0)] {
             for (&vertex, weight) in point.vertices.iter().zip(point.weights) {
@@ -78,23 +85,25 @@ impl Forces {
 
     /// Writes sums, residuals and limits into corrections whose forces are zero.
     pub(crate) fn finish(&mut self, mesh: &Mesh, frame: &Frame, corrections: &mut Corrections) {
-        // An order of their own, so that the sums below don't depend on that of the paths.
-        self.touched.sort_unstable();
+        // Sorted, so that the sums below don't depend on the order of the paths.
+        self.sums.sort_keys();
+        let total = |vertex: VertexId| self.sums.get(vertex).unwrap_or_default();
+        let vertices = self.sums.keys();
         let mut centre = Vector3::zeros();
-        for &vertex in &self.touched {
-            corrections.net_force += self.sums[vertex.index()];
+        for &vertex in vertices {
+            corrections.net_force += total(vertex).sum;
             centre += frame.position(vertex).coords;
         }
         #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
-        let centre = Point3::from(centre / self.touched.len().max(1) as f64);
-        for &vertex in &self.touched {
-            let mut force = self.sums[vertex.index()];
+        let centre = Point3::from(centre / vertices.len().max(1) as f64);
+        for &vertex in vertices {
+            let VertexForce { sum: mut force, limit_m } = total(vertex);
             corrections.net_torque += (frame.position(vertex) - centre).cross(&force);
             if mesh.is_pinned(vertex) {
                 continue;
             }
             let mass = mass_kg(mesh, vertex);
-            let largest = LARGEST_SUM * self.limits_m[vertex.index()] * mass;
+            let largest = LARGEST_SUM * limit_m * mass;
             let size = force.norm();
             if size > largest {
                 force *= largest / size;
@@ -124,7 +133,7 @@ mod tests {
     use crate::mesh::MeshDescription;
 
     #[test]
-    fn the_law_grows_from_the_offset_to_its_limit() {
+    fn force_law_grows_from_offset_to_limit() {
         let law = ForceLaw { stiffness: 0.5, offset_m: 0.01, largest_m: 0.02 };
         assert!((law.step(0.0) - 0.005).abs() < 1e-15);
         assert!((law.step(0.01) - 0.01).abs() < 1e-15);
@@ -132,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_are_limited_and_pins_are_left_alone() {
+    fn finish_limits_sums_and_skips_pinned_vertices() {
         let mesh = Mesh::new(MeshDescription {
             num_vertices: 6,
             faces: vec![[0, 1, 2], [3, 4, 5]],
@@ -146,7 +155,7 @@ mod tests {
         let frame = Frame::new(&mesh, &positions).unwrap();
         let mut forces = Forces::default();
         for _ in 0..2 {
-            forces.start(6);
+            forces.reset(6);
             let mut corrections = Corrections {
                 forces: vec![Vector3::zeros(); 6],
                 flags: vec![VertexFlags::default(); 6],

@@ -58,14 +58,14 @@ fn respond(description: MeshDescription, positions: &[[f64; 3]], response: Respo
     let settings = Settings { response, ..Settings::default() };
     let mut responder = Responder::default();
     let corrections = responder.respond(&mesh, &frame, &analysis, &settings, &mut ()).clone();
-    // Nothing of one frame may be left in the next.
+    // The second frame must not depend on the first.
     let again = responder.respond(&mesh, &frame, &analysis, &settings, &mut ());
     assert_eq!((&corrections.forces, &corrections.flags), (&again.forces, &again.flags));
     Answer { mesh, frame, analysis, corrections }
 }
 
 #[test]
-fn forces_keep_both_momenta() {
+fn responder_keeps_both_momenta() {
     for (from_side, expected) in [(false, PairType::BoundaryBoundaryInsideInside), (true, PairType::BoundaryInside)] {
         for response in [Response::Rbf, Response::Contour] {
             let (description, positions) = scene(0.17, from_side);
@@ -84,7 +84,7 @@ fn forces_keep_both_momenta() {
 }
 
 #[test]
-fn a_clean_scene_is_left_alone_bit_for_bit() {
+fn responder_on_clean_scene_gives_zeros_bit_for_bit() {
     let (description, positions) = scene(-0.05, false);
     for response in [Response::Rbf, Response::Contour, Response::Displacement, Response::Mask] {
         let corrections = respond(description.clone(), &positions, response).corrections;
@@ -95,7 +95,7 @@ fn a_clean_scene_is_left_alone_bit_for_bit() {
 }
 
 #[test]
-fn the_mask_flags_and_leaves_alone() {
+fn mask_response_flags_without_forces() {
     let (mut description, positions) = scene(0.17, false);
     description.pins = vec![0];
     let Answer { mesh, analysis, corrections, .. } = respond(description, &positions, Response::Mask);
@@ -110,7 +110,7 @@ fn the_mask_flags_and_leaves_alone() {
 }
 
 #[test]
-fn pins_hold_and_masses_scale() {
+fn responder_spares_pinned_vertices_and_scales_with_mass() {
     let (mut description, positions) = scene(0.17, false);
     let free = respond(description.clone(), &positions, Response::Rbf);
     let pinned = free.analysis.regions.vertices[0];
@@ -128,7 +128,7 @@ fn pins_hold_and_masses_scale() {
 }
 
 #[test]
-fn steps_along_the_corrections_resolve() {
+fn steps_along_corrections_resolve_the_scene() {
     for (response, from_side, most) in [
         (Response::Rbf, false, 12),
         (Response::Rbf, true, 25),

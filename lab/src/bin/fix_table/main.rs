@@ -51,7 +51,7 @@ impl Options {
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
-                "--quality" => options.settings.quality = named(&value()?)?,
+                "--quality" => options.settings.effort = named(&value()?)?,
                 "--most" => options.settings.max_iterations = value()?.parse()?,
                 "--motions" => options.motions = value()?.parse()?,
                 "--subdivide" => options.levels = value()?.parse()?,

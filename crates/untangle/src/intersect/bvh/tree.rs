@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    mesh::{FaceId, Mesh, Topology, VertexId},
+    mesh::{FaceId, Mesh, MeshIdentity, VertexId},
 };
 
 /// A vertex after the map into single precision; the fourth component has no meaning and makes a point one load.
@@ -35,7 +35,7 @@ pub(crate) struct Bvh {
     /// Pairs of faces that the traversal leaves out.
     pub(super) adjacency: LeafAdjacency,
     /// Of the mesh for which the tree was built.
-    topology: Option<Topology>,
+    identity: Option<MeshIdentity>,
 }
 
 impl Bvh {
@@ -44,9 +44,9 @@ impl Bvh {
     /// Any order of the usable faces gives the right pairs. The one chosen here, from the frame at hand, gives them
     /// fast.
     pub(crate) fn prepare(&mut self, mesh: &Mesh, frame: &Frame) -> bool {
-        let is_new = self.topology.as_ref() != Some(mesh.topology());
+        let is_new = self.identity.as_ref() != Some(mesh.identity());
         if is_new {
-            self.topology = Some(mesh.topology().clone());
+            self.identity = Some(mesh.identity().clone());
             self.order = mesh.face_ids().filter(|&face| mesh.face_edges(face).is_some()).collect();
             let centroid = |face: FaceId| {
                 let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex).coords);

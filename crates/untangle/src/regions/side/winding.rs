@@ -5,11 +5,12 @@ use crate::{
     mesh::{FaceId, Mesh},
 };
 
-/// How often the solid pieces of a frame wind round the middle of one of their faces, counted half way between its two sides: 1/2 for
-/// a face that parts the outside from the inside of one solid, if the face's piece looks outwards, or inwards as a whole.
+/// The winding number of the solid pieces of a frame about the centroid of one of their faces, as the mean of its values on
+/// both sides of the face: 1/2 for a face that separates the outside from the inside of one solid, if the piece of the face is
+/// oriented outwards, or inwards as a whole.
 ///
-/// Nothing if the face does not belong to a solid. Source: solid angles by van Oosterom and Strackee (1983). Cost: linear in the
-/// faces.
+/// Nothing if the face does not belong to a solid. Source: solid angles by van Oosterom and Strackee (1983). Cost: linear in
+/// the faces.
 pub(crate) fn winding_number(mesh: &Mesh, frame: &Frame, face: FaceId) -> Option<f64> {
     let piece = mesh.piece(face).filter(|&piece| mesh.is_solid(piece))?;
     let corners = |face: FaceId| mesh.face(face).map(|vertex| frame.position(vertex).coords);
@@ -30,6 +31,6 @@ pub(crate) fn winding_number(mesh: &Mesh, frame: &Frame, face: FaceId) -> Option
             solid_angle += 2.0 * triple.atan2(denominator);
         }
     }
-    // Faces that look inwards as a whole wind the other way round.
+    // Pieces that are oriented inwards as a whole have the opposite winding number.
     Some(volume.signum() * solid_angle / (4.0 * std::f64::consts::PI))
 }

@@ -1,8 +1,9 @@
-//! What lies to the left of a path, from the order of corners alone.
+//! Which end of a crossed edge lies to the left of a path, from the order of the corners of faces alone.
 //!
-//! A face whose corners run counter-clockwise has each of its directed edges with itself on the left. A path that leaves the face over an
-//! edge from `a` to `b` has `b` on its left, one that enters it there has `a`. Faces may disagree on what is counter-clockwise; the path
-//! carries one sense of rotation along, from face to face over its edges and round its loop vertex over the spokes.
+//! A face whose corners run counter-clockwise lies to the left of each of its directed edges. A path that leaves the face
+//! over an edge from `a` to `b` has `b` on its left, one that enters it there has `a`. Faces may disagree on which sense of
+//! rotation is counter-clockwise; the path carries one sense along, from face to face over its edges and round its loop
+//! vertex over the edges of that vertex.
 
 use crate::{
     mesh::{EdgeId, FaceId, Mesh, VertexId},
@@ -36,7 +37,7 @@ pub(crate) fn left_ends(
             left.push((edge, left.len(), start_of(mesh, face, edge, !turned)));
         }
     }
-    // What was crossed first stays first.
+    // Of an edge that is crossed several times the first crossing counts.
     left.sort_unstable();
     left.dedup_by_key(|&mut (edge, ..)| edge);
 }
@@ -58,8 +59,8 @@ fn runs_alike(mesh: &Mesh, a: FaceId, b: FaceId, edge: EdgeId) -> bool {
     runs_upwards(mesh, a, edge) == runs_upwards(mesh, b, edge)
 }
 
-/// Whether two faces at a vertex disagree in their sense of rotation, told by the faces between them; a way round always exists on one
-/// fan, and both ways give the same answer there.
+/// Whether two faces at a vertex disagree in their sense of rotation, told by the faces between them. On one fan at least one
+/// way round the vertex leads from face to face, and where two do, both give the same answer.
 fn turns_round(mesh: &Mesh, vertex: VertexId, from: FaceId, to: FaceId) -> bool {
     let num_faces = mesh.vertex_faces(vertex).len();
     let spokes = |face: FaceId| {
@@ -102,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn left_is_left_whatever_the_faces_think() {
+    fn left_ends_of_faces_in_any_sense_are_on_one_side() {
         for flipped in 0..64 {
             let mesh = hexagon(flipped);
             let edge = |a, b| mesh.edge_between(VertexId(a), VertexId(b)).unwrap();

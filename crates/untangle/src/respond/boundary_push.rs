@@ -1,13 +1,13 @@
-//! BI paths: push the intersection over the nearest boundary.
+//! BI paths: a force that pushes the intersection over the nearest boundary.
 //!
-//! Equations 5 to 7 of Wicke, Lanker and Gross (2006), with these differences: the distance to the boundary is measured along the surface in
-//! its present lengths, so that its gradient is a direction of the world at once; the magnitude is the `min` law with the offset; and
-//! the force acts on the path itself, spread over the corners of its faces, against its opposite in the same place of the other
-//! sheet, so that angular momentum is kept too.
+//! Section 5.1, equations 5 to 7, of Wicke, Lanker and Gross (2006), with these differences: the distance to the boundary is
+//! measured along the surface in its present lengths, so that its gradient is a direction of the world at once; the magnitude
+//! is the `min` law with the offset; and the force acts on the path itself, spread over the corners of its faces, against its
+//! opposite in the same place of the other sheet, so that angular momentum is kept too.
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{forces::ForceLaw, march::March};
+use super::{boundary_distance::BoundaryDistance, forces::ForceLaw};
 use crate::{
     correspond::{Chart, MaterialPoint},
     frame::Frame,
@@ -15,15 +15,15 @@ use crate::{
     paths::{PathPoint, PathSegment, Sheet},
 };
 
-/// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two boundaries are
-/// equally far.
+/// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two boundaries
+/// are equally far.
 const CANCELLED: f64 = 0.3;
 
-/// Finds the ways over the boundary, reusing its memory.
+/// Finds the directions over the boundary, reusing its memory.
 #[derive(Debug, Default)]
 pub(crate) struct BoundaryPush {
     chart: Chart,
-    march: March,
+    distance: BoundaryDistance,
 }
 
 /// A path to be pushed, and the law that says how far.
@@ -38,16 +38,16 @@ pub(crate) struct PushedPath<'a> {
 }
 
 impl BoundaryPush {
-    /// Forgets the last frame.
-    pub(crate) fn forget(&mut self) {
-        self.march.forget();
+    /// Makes ready for another frame.
+    pub(crate) fn reset(&mut self) {
+        self.distance.reset();
     }
 
-    /// Writes for each segment the displacement of one step, in metres, towards the boundary of the sheet `over`: the mean over the path,
-    /// taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in metres; nothing, and zeros,
-    /// where no boundary is near or the directions cancel.
+    /// Writes for each segment the displacement of one step, in metres, towards the boundary of `sheet`: the mean over the
+    /// path, taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in metres;
+    /// nothing, and zeros, where no boundary is near or the directions cancel.
     ///
-    /// Cost: linear in the path, and over all paths of a frame that of one [`March`].
+    /// Cost: linear in the path, and over all paths of a frame that of one [`BoundaryDistance`].
     pub(crate) fn steps(&mut self, path: &PushedPath<'_>, sheet: Sheet, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
         let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
         steps.clear();
@@ -57,7 +57,7 @@ impl BoundaryPush {
         self.chart.patch_mut().start(mesh, segments.iter().map(face_of));
         self.chart.patch_mut().grow(mesh, 1, usize::MAX);
         self.chart.build(mesh, frame)?;
-        // The path itself ends on a boundary, so none that counts is much farther than its length.
+        // The path itself ends on a boundary: one that is much farther away than the length of the path does not count.
         let farthest_m = 1.5 * length + 3.0 * edge_length_m;
         let (mut mean, mut magnitude, mut depth) = (Vector2::zeros(), 0.0, 0.0);
         for (index, segment) in segments.iter().enumerate() {
@@ -96,7 +96,7 @@ impl BoundaryPush {
     ) -> Option<(f64, Vector3<f64>)> {
         let mut values = [0.0; 3];
         for (value, vertex) in values.iter_mut().zip(mesh.face(face)) {
-            *value = self.march.distance_m(mesh, frame, vertex, farthest_m)?;
+            *value = self.distance.distance_m(mesh, frame, vertex, farthest_m)?;
         }
         let distance = values.iter().zip(at.weights).map(|(value, weight)| value * weight).sum::<f64>();
         let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
@@ -116,7 +116,7 @@ mod tests {
     use crate::correspond::samples::sheet;
 
     #[test]
-    fn the_distance_shrinks_towards_the_nearer_side_of_a_strip() {
+    fn slope_on_strip_points_to_the_nearer_side() {
         let (mesh, flat) = sheet(8, 20, 0.1);
         let positions: Vec<_> = flat.iter().map(|point| [point.x, point.y, 0.0]).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
