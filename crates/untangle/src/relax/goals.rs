@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use super::orient::Orientation;
 use crate::{
     analysis::Analysis,
-    correspond::{Correspondences, MaterialPoint, PathCorrespondence, mean_edge_length},
+    correspond::{Correspondences, MaterialPoint, PathCorrespondence},
     frame::Frame,
+    geometry::mean_edge_length,
     mesh::{Mesh, VertexId},
     paths::{PathPoint, PathType, SurfacePoint},
     respond::contour,
@@ -156,7 +157,9 @@ impl Goals {
         let path = &analysis.paths.copies[copy];
         let points = &analysis.paths.points[path.points.clone()];
         let segments = &analysis.paths.segments[path.segments.clone()];
-        let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
+        let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else {
+            return;
+        };
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
         let ends_on_partner_boundary =
             |point: &PathPoint| matches!(point.partner, SurfacePoint::Edge { edge, .. } if mesh.is_boundary_edge(edge));
@@ -203,9 +206,8 @@ impl Goals {
     fn draw_back(&mut self, scene: &Scene<'_>, copy: usize) {
         let Scene { mesh, frame, analysis, .. } = *scene;
         let path = &analysis.paths.copies[copy];
-        let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments[path.segments.clone()]) else {
-            return;
-        };
+        let faces = analysis.paths.segments[path.segments.clone()].iter().map(|segment| segment.own);
+        let Some(edge_length_m) = mean_edge_length(mesh, frame, faces) else { return };
         for point in &analysis.paths.points[path.points.clone()] {
             let ((SurfacePoint::Edge { edge, parameter }, SurfacePoint::Face { face, barycentric })
             | (SurfacePoint::Face { face, barycentric }, SurfacePoint::Edge { edge, parameter })) =
