@@ -1,4 +1,5 @@
-//! Plane and space geometry that several rooms need in the same arithmetic, operation by operation: numbers, never decisions.
+//! Plane and space geometry that several rooms need in the same arithmetic, operation by operation: numbers, never
+//! decisions.
 
 use nalgebra::{Point, Point2, Point3, Vector2, Vector3};
 
@@ -28,10 +29,11 @@ pub(crate) fn left_normal(direction: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-direction.y, direction.x)
 }
 
-/// A triangle of space in a plane of its own, its lengths kept: first corner at the origin, first side along the first axis, the third
-/// corner not below it.
+/// A triangle of space in a plane of its own, its lengths kept: first corner at the origin, first side along the first
+/// axis, the third corner not below it.
 ///
-/// The disc of BLI paths and the flattening flow take flat triangles of their own: the same shape, rounded in another way.
+/// The disc of BLI paths and the flattening flow take flat triangles of their own: the same shape, rounded in another
+/// way.
 pub(crate) fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Point2<f64>; 3] {
     let side = b - a;
     let length = side.norm();
@@ -47,8 +49,8 @@ pub(crate) fn perimeter<const D: usize>([a, b, c]: [Point<f64, D>; 3]) -> f64 {
     (b - a).norm() + (c - b).norm() + (a - c).norm()
 }
 
-/// Mean length of the sides of some faces, in metres, a face that is named twice counted twice. Nothing where it is zero, not finite,
-/// or there are no faces.
+/// Mean length of the sides of some faces, in metres, a face that is named twice counted twice. Nothing where it is
+/// zero, not finite, or there are no faces.
 pub(crate) fn mean_edge_length(mesh: &Mesh, frame: &Frame, faces: impl Iterator<Item = FaceId>) -> Option<f64> {
     let (mut sum, mut num_edges) = (0.0, 0.0);
     for face in faces {

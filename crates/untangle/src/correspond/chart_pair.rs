@@ -12,8 +12,8 @@ const RINGS_ROUND_REGION: usize = 1;
 /// A chart stops growing at this many faces; targets beyond it are moved to its outline.
 const MAX_FACES: usize = 40_000;
 
-/// Two charts, kept from one path to the next. The second path of a pair uses them exchanged, without moving them: so that the next frame finds
-/// memory of the size that it needs.
+/// Two charts, kept from one path to the next. The second path of a pair uses them exchanged, without moving them: so
+/// that the next frame finds memory of the size that it needs.
 #[derive(Debug, Default)]
 pub(super) struct ChartPair {
     charts: [Chart; 2],
@@ -71,8 +71,8 @@ impl ChartPair {
         self.own_mut().build(mesh, frame)
     }
 
-    /// Makes the chart of the corresponding path, where the targets lie: round its region, or else as far as the region of the path reaches from
-    /// the path, which is lifted to `own_path`.
+    /// Makes the chart of the corresponding path, where the targets lie: round its region, or else as far as the region
+    /// of the path reaches from the path, which is lifted to `own_path`.
     pub(super) fn build_partner(&mut self, input: &PathInput<'_>, own_path: &LiftedPath) -> Option<ChartKind> {
         let PathInput { mesh, frame, segments, .. } = *input;
         let rings = match input.partner_region {

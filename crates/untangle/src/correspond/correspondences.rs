@@ -1,4 +1,5 @@
-//! What the search for correspondences finds: attractions to target points, separation constraints, and figures of each path's fit.
+//! What the search for correspondences finds: attractions to target points, separation constraints, and figures of each
+//! path's fit.
 
 use std::ops::Range;
 
@@ -26,7 +27,8 @@ pub struct SeparationConstraint {
     pub position: Point3<f64>,
     /// Unit direction for `own`; `partner` goes the opposite way.
     pub direction: Vector3<f64>,
-    /// Length of path that the point stands for, in metres: halved where the corresponding path has a constraint for the same length.
+    /// Length of path that the point stands for, in metres: halved where the corresponding path has a constraint for
+    /// the same length.
     pub length_m: f64,
 }
 

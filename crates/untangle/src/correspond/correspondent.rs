@@ -1,4 +1,5 @@
-//! Finds the correspondences of all paths of a frame, step by step: charts, lifts, sides, fit, separations, attractions.
+//! Finds the correspondences of all paths of a frame, step by step: charts, lifts, sides, fit, separations,
+//! attractions.
 
 use nalgebra::Point3;
 
@@ -36,8 +37,8 @@ pub struct Correspondent {
 }
 
 impl Correspondent {
-    /// Finds the correspondence of every path whose region divides its piece. Paths without one, and paths for which no chart
-    /// exists, are left out; so are the shortest ones, once the observer says that time is up.
+    /// Finds the correspondence of every path whose region divides its piece. Paths without one, and paths for which no
+    /// chart exists, are left out; so are the shortest ones, once the observer says that time is up.
     ///
     /// Cost: for each path linear in its faces, its region and as much of the other sheet; cubic in its centres.
     pub fn find(
@@ -82,7 +83,8 @@ impl Correspondent {
         &self.correspondences
     }
 
-    /// The correspondence of one path with a region; nothing where there is no chart, or the region lies on no side of the path.
+    /// The correspondence of one path with a region; nothing where there is no chart, or the region lies on no side of
+    /// the path.
     fn correspond(&mut self, input: &PathInput<'_>) -> Option<PathCorrespondence> {
         let partner = input.path.partner;
         let shared = self.shared.take().filter(|shared| [shared.copy, shared.partner] == [partner, input.copy]);
@@ -115,8 +117,9 @@ impl Correspondent {
         })
     }
 
-    /// Makes the charts of path and corresponding path and lifts the path in both, as far as the first path of the pair has not done so. Returns
-    /// how the charts were made; nothing where there is no chart, or a part of the path lies outside of it.
+    /// Makes the charts of path and corresponding path and lifts the path in both, as far as the first path of the pair
+    /// has not done so. Returns how the charts were made; nothing where there is no chart, or a part of the path lies
+    /// outside of it.
     fn build_charts_and_lift(
         &mut self,
         input: &PathInput<'_>,
@@ -155,8 +158,8 @@ impl Correspondent {
         Some(kinds)
     }
 
-    /// The side of the path on which its region lies, and that of the corresponding path where a region says so. Nothing where the region lies on
-    /// no side of the path.
+    /// The side of the path on which its region lies, and that of the corresponding path where a region says so.
+    /// Nothing where the region lies on no side of the path.
     fn choose_sides(&mut self, input: &PathInput<'_>, results: Option<&SharedResults>) -> Option<(f64, Option<f64>)> {
         if let Some(SharedResults { sides: (partner_side, own_side), .. }) = results {
             return Some(((*own_side)?, Some(*partner_side)));

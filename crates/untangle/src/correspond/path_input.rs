@@ -75,8 +75,8 @@ impl<'a> PathInput<'a> {
         self.path.partner == self.copy || self.is_joint
     }
 
-    /// The part of the path's length that its separation constraints stand for, so that each length counts once: a pair with two regions has
-    /// constraints for both of its paths.
+    /// The part of the path's length that its separation constraints stand for, so that each length counts once: a pair
+    /// with two regions has constraints for both of its paths.
     pub(super) fn share(&self) -> f64 {
         if self.partner_region.is_some() && !self.is_joint { 0.5 } else { 1.0 }
     }

@@ -30,8 +30,8 @@ impl<'a> SheetsAlongPath<'a> {
         Self { mesh, frame, points, segments, own: charts.own(), partner: charts.partner() }
     }
 
-    /// The side of the corresponding path to which the inside on `side` of the path belongs, where no region says so: the one whose half of
-    /// the other sheet makes the smaller angle with the inside, on the mean over the path.
+    /// The side of the corresponding path to which the inside on `side` of the path belongs, where no region says so:
+    /// the one whose half of the other sheet makes the smaller angle with the inside, on the mean over the path.
     pub(super) fn likelier_side(&self, side: f64) -> f64 {
         let mut agreement = 0.0;
         for index in 0..self.segments.len() {
@@ -42,9 +42,10 @@ impl<'a> SheetsAlongPath<'a> {
         if agreement >= 0.0 { 1.0 } else { -1.0 }
     }
 
-    /// Adds a constraint at the middle of each segment, with the direction in which the inside has to move there: the limit, on the path, of
-    /// the direction from a point inside to its target. Near the path a point inside is offset from it along the conormal `b` of its own
-    /// sheet, its target along the conormal `b'` of the other, by the same small distance: so the limit is that of `b' - b`.
+    /// Adds a constraint at the middle of each segment, with the direction in which the inside has to move there: the
+    /// limit, on the path, of the direction from a point inside to its target. Near the path a point inside is offset
+    /// from it along the conormal `b` of its own sheet, its target along the conormal `b'` of the other, by the same
+    /// small distance: so the limit is that of `b' - b`.
     ///
     /// `share` is the part of each segment's length that counts.
     pub(super) fn separate(&self, sides: (f64, f64), share: f64, separations: &mut Vec<SeparationConstraint>) {
@@ -65,8 +66,8 @@ impl<'a> SheetsAlongPath<'a> {
         (self.points[index + 1].position - self.points[index].position).norm()
     }
 
-    /// The unit conormals of the two sheets at a segment: in the sheet, at right angles to the segment, to the given sides of path and
-    /// corresponding path.
+    /// The unit conormals of the two sheets at a segment: in the sheet, at right angles to the segment, to the given
+    /// sides of path and corresponding path.
     fn conormals(&self, index: usize, sides: (f64, f64)) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let tangent = (self.points[index + 1].position - self.points[index].position).try_normalize(0.0)?;
         let segment = &self.segments[index];
@@ -75,8 +76,8 @@ impl<'a> SheetsAlongPath<'a> {
         Some((inside, image))
     }
 
-    /// The unit direction in a face at right angles to a tangent of it, to the left of the tangent as the chart has it, or for a negative
-    /// `side` to the right.
+    /// The unit direction in a face at right angles to a tangent of it, to the left of the tangent as the chart has it,
+    /// or for a negative `side` to the right.
     fn conormal(&self, chart: &Chart, face: FaceId, tangent: Vector3<f64>, side: f64) -> Option<Vector3<f64>> {
         let [a, b, c] = chart.corners(face)?;
         let [x, y, z] = self.mesh.face(face);

@@ -1,8 +1,8 @@
 //! What the second path of a pair reuses from the first.
 //!
-//! Where both have a region, the second needs the charts of the first, exchanged. Where both also name the same points in the same order, as they
-//! do unless their pieces were joined otherwise, the lifts, the sides and the separation constraints are those of the first, exchanged: only the
-//! fit is computed for each.
+//! Where both have a region, the second needs the charts of the first, exchanged. Where both also name the same points
+//! in the same order, as they do unless their pieces were joined otherwise, the lifts, the sides and the separation
+//! constraints are those of the first, exchanged: only the fit is computed for each.
 
 use std::ops::Range;
 

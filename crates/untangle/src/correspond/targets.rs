@@ -23,8 +23,8 @@ pub(super) struct TargetMap<'a> {
 }
 
 impl TargetMap<'_> {
-    /// Adds an attraction for each point inside: the vertices of the region, or, of a region without vertices, points of the faces that the path
-    /// runs through.
+    /// Adds an attraction for each point inside: the vertices of the region, or, of a region without vertices, points
+    /// of the faces that the path runs through.
     pub(super) fn attract(
         &self,
         input: &PathInput<'_>,
@@ -57,8 +57,8 @@ impl TargetMap<'_> {
         self.partner.locate(mesh, image)
     }
 
-    /// The image of a point where the inside is a disc and its image an annulus, between which no map of the plane exists: as far beside the
-    /// corresponding path as the point lies beside the path.
+    /// The image of a point where the inside is a disc and its image an annulus, between which no map of the plane
+    /// exists: as far beside the corresponding path as the point lies beside the path.
     fn offset_image(&self, point: Point2<f64>) -> Point2<f64> {
         let mut nearest = (f64::INFINITY, point);
         let (own, partner) = (&self.pair.own.points, &self.pair.partner.points);
@@ -81,8 +81,8 @@ impl TargetMap<'_> {
     }
 }
 
-/// Finds one point inside on each face that a region without vertices runs through: the mean of the middles of the path's segments in the face.
-/// A face with a single segment has no inside of its own and gets none.
+/// Finds one point inside on each face that a region without vertices runs through: the mean of the middles of the
+/// path's segments in the face. A face with a single segment has no inside of its own and gets none.
 fn points_within(
     input: &PathInput<'_>,
     scratch: &mut Vec<(FaceId, usize, Point3<f64>)>,

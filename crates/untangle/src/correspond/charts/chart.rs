@@ -20,10 +20,11 @@ use crate::{
     paths::SurfacePoint,
 };
 
-/// An unfolding whose faces differ from their shapes by no more than this part of their longest side needs no parameterisation.
+/// An unfolding whose faces differ from their shapes by no more than this part of their longest side needs no
+/// parameterisation.
 const LARGEST_MISFIT: f64 = 0.02;
-/// A patch stays cut where the cut gapes by more than this many of its edges, on the mean: round a tube it gapes by the girth, round a
-/// mere hole in a dome it nearly closes.
+/// A patch stays cut where the cut gapes by more than this many of its edges, on the mean: round a tube it gapes by the
+/// girth, round a mere hole in a dome it nearly closes.
 const WIDE_GAP: f64 = 3.0;
 
 /// How a chart was made.
@@ -31,9 +32,11 @@ const WIDE_GAP: f64 = 3.0;
 pub struct ChartKind {
     /// What its faces take their shapes from.
     pub source: ShapeSource,
-    /// Whether the shapes had to be changed to fit together (a dome, an annulus, a dart); otherwise the faces were only moved.
+    /// Whether the shapes had to be changed to fit together (a dome, an annulus, a dart); otherwise the faces were only
+    /// moved.
     pub relaxed: bool,
-    /// Whether it was cut open, because the patch closes on itself (a tube). The chart then goes on beyond the cut by its period.
+    /// Whether it was cut open, because the patch closes on itself (a tube). The chart then goes on beyond the cut by
+    /// its period.
     pub cut: bool,
 }
 
@@ -67,8 +70,8 @@ impl Chart {
         &mut self.patch
     }
 
-    /// Gives coordinates to all faces that edges of the patch connect with its first one. Nothing for one-sided patches, and where a
-    /// length is zero or not finite.
+    /// Gives coordinates to all faces that edges of the patch connect with its first one. Nothing for one-sided
+    /// patches, and where a length is zero or not finite.
     ///
     /// Cost: O(n) in the faces where the patch unfolds, else that of two sparse factorisations.
     pub(crate) fn build(&mut self, mesh: &Mesh, frame: &Frame) -> Option<ChartKind> {
@@ -88,7 +91,8 @@ impl Chart {
         Some(ChartKind { source, relaxed, cut: self.is_cut })
     }
 
-    /// Cuts a patch that closes on itself open, and unfolds it again. False, with the patch whole, where it needs no cut.
+    /// Cuts a patch that closes on itself open, and unfolds it again. False, with the patch whole, where it needs no
+    /// cut.
     fn cut_open(&mut self, mesh: &Mesh) -> bool {
         if !self.cut.find(mesh, &self.patch, &self.unfolding) {
             return false;
@@ -106,7 +110,8 @@ impl Chart {
         UnfoldedCut { patch: &self.patch, cut: &self.cut, unfolding: &self.unfolding }
     }
 
-    /// The deck transformation from the chart to its next copy beyond its cut; nothing where it has no cut, or no similarity fits.
+    /// The deck transformation from the chart to its next copy beyond its cut; nothing where it has no cut, or no
+    /// similarity fits.
     pub(crate) fn period(&self) -> Option<Similarity> {
         self.period
     }
@@ -116,8 +121,8 @@ impl Chart {
         self.period = period.or(self.period);
     }
 
-    /// Texture coordinates have no unit: scales the chart so that its sides have the total length that they have in the world. Nothing
-    /// where there is no such scale.
+    /// Texture coordinates have no unit: scales the chart so that its sides have the total length that they have in the
+    /// world. Nothing where there is no such scale.
     fn scale_to_metres(&mut self, frame: &Frame) -> Option<()> {
         let mut world = 0.0;
         for (face, corners) in self.patch.corners().iter().enumerate() {
@@ -161,7 +166,8 @@ impl Chart {
         self.has_point[local].then(|| self.unfolding.points[local])
     }
 
-    /// The coordinates of the corners of a face, if it belongs to the chart. Along a cut they are not those of its neighbour.
+    /// The coordinates of the corners of a face, if it belongs to the chart. Along a cut they are not those of its
+    /// neighbour.
     pub(crate) fn corners(&self, face: FaceId) -> Option<[Point2<f64>; 3]> {
         let local = self.patch.local_face(face).filter(|&local| self.unfolding.is_reached(local))?;
         Some(self.patch.corners()[local].map(|corner| self.unfolding.points[corner as usize]))
@@ -219,8 +225,8 @@ impl Chart {
         Some(Sides { u: b - a, v: c - a, x: y - x, y: z - x })
     }
 
-    /// The point of the cloth with the given coordinates, here or in a copy of the chart beyond its cut; where there is none, the
-    /// nearest on the outline.
+    /// The point of the cloth with the given coordinates, here or in a copy of the chart beyond its cut; where there is
+    /// none, the nearest on the outline.
     pub(crate) fn locate(&self, mesh: &Mesh, point: Point2<f64>) -> Option<MaterialPoint> {
         let there = |place: Place| MaterialPoint {
             vertices: mesh.face(self.patch.faces()[place.face]),

@@ -1,9 +1,10 @@
 //! The sides along which a patch is cut into a disc: a tube must be slit open before it can lie flat.
 //!
-//! Tree-cotree decomposition (Eppstein 2003): the spanning tree of the unfolding joins all faces without closing round a hole. The sides
-//! that it does not cross, with the outline of the patch, form a graph that says how the patch closes on itself. Once all dead ends of
-//! that graph are pruned, the sides that remain inside the patch are the cut; in a disc none remain. Since the tree grows along the path, the
-//! cut runs where the path does not, unless the path itself winds round.
+//! Tree-cotree decomposition (Eppstein 2003): the spanning tree of the unfolding joins all faces without closing round
+//! a hole. The sides that it does not cross, with the outline of the patch, form a graph that says how the patch closes
+//! on itself. Once all dead ends of that graph are pruned, the sides that remain inside the patch are the cut; in a
+//! disc none remain. Since the tree grows along the path, the cut runs where the path does not, unless the path itself
+//! winds round.
 
 use super::{patch::Patch, unfolding::Unfolding};
 use crate::mesh::Mesh;

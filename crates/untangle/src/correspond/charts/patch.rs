@@ -22,8 +22,9 @@ pub(crate) struct Patch {
     /// Vertices before a cut doubled some of them, and for each added one the vertex it is a copy of.
     num_whole: usize,
     copied_from: Vec<u32>,
-    /// Scratch of [`cut`](Self::cut): a union-find forest over the corners of all faces, one tree for each sector of faces round a
-    /// vertex that the cut leaves connected; for each root its vertex; whether a vertex already went to a sector.
+    /// Scratch of [`cut`](Self::cut): a union-find forest over the corners of all faces, one tree for each sector of
+    /// faces round a vertex that the cut leaves connected; for each root its vertex; whether a vertex already went to a
+    /// sector.
     sectors: Vec<u32>,
     vertex_of_sector: Vec<u32>,
     is_taken: Vec<bool>,
@@ -101,7 +102,8 @@ impl Patch {
         self.corners.push(corners);
     }
 
-    /// The neighbour across a side of a face. Nothing on the outline of the patch, beyond a non-manifold edge and across a cut.
+    /// The neighbour across a side of a face. Nothing on the outline of the patch, beyond a non-manifold edge and
+    /// across a cut.
     pub(super) fn neighbour(&self, mesh: &Mesh, face: usize, side: usize) -> Option<Neighbour> {
         let edge = mesh.face_edges(self.faces()[face])?[side];
         let &[one, other] = mesh.edge_faces(edge) else { return None };
@@ -118,8 +120,8 @@ impl Patch {
         None
     }
 
-    /// Cuts the patch along sides of its faces: a vertex on the cut gets a copy for each further sector of faces round it that the cut
-    /// leaves connected.
+    /// Cuts the patch along sides of its faces: a vertex on the cut gets a copy for each further sector of faces round
+    /// it that the cut leaves connected.
     pub(super) fn cut(&mut self, mesh: &Mesh, sides: &[[bool; 3]]) {
         self.join_sectors(mesh, sides);
         self.num_whole = self.vertices.len();

@@ -1,5 +1,5 @@
-//! The period of a chart that was cut open: the similarity from one side of the cut to the other, which generates the deck
-//! transformations of the chart's universal cover.
+//! The period of a chart that was cut open: the similarity from one side of the cut to the other, which generates the
+//! deck transformations of the chart's universal cover.
 
 use nalgebra::{Point2, Vector2};
 
@@ -60,7 +60,8 @@ impl<'a> UnfoldedCut<'a> {
     }
 }
 
-/// The deck transformations to the nearest copies of a chart: the identity first, then the powers of its period, if it has one.
+/// The deck transformations to the nearest copies of a chart: the identity first, then the powers of its period, if it
+/// has one.
 pub(crate) fn deck_transformations(period: Option<Similarity>) -> impl Iterator<Item = Similarity> {
     let most = if period.is_some() { MAX_COPIES } else { 0 };
     let exponents = (1..=most).flat_map(|exponent| [exponent, -exponent]);

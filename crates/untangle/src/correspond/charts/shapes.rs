@@ -26,8 +26,8 @@ pub(super) type Shape = [Point2<f64>; 3];
 /// UV triangles whose doubled area is below this part of the square of their longest side are degenerate, and not used.
 const SLIVER: f64 = 1e-6;
 
-/// Writes the shape of every face of a patch, and says where it comes from: texture coordinates where all are usable, else rest lengths
-/// where there are rest positions, else the lengths of the frame.
+/// Writes the shape of every face of a patch, and says where it comes from: texture coordinates where all are usable,
+/// else rest lengths where there are rest positions, else the lengths of the frame.
 pub(super) fn measure(mesh: &Mesh, frame: &Frame, patch: &Patch, shapes: &mut Vec<Shape>) -> ShapeSource {
     if let Some(uvs) = mesh.uvs() {
         shapes.clear();

@@ -30,9 +30,9 @@ impl Similarity {
         Self { translation: to - from, ..Self::IDENTITY }
     }
 
-    /// The rotation and translation, without a change of scale, that map the first points of pairs to the second in the sense of least
-    /// squares (orthogonal Procrustes problem, Schönemann 1966), and the root of the mean squared distance that remains; nothing
-    /// without a pair.
+    /// The rotation and translation, without a change of scale, that map the first points of pairs to the second in the
+    /// sense of least squares (orthogonal Procrustes problem, Schönemann 1966), and the root of the mean squared
+    /// distance that remains; nothing without a pair.
     pub(crate) fn fit_rigid(pairs: impl Iterator<Item = [Point2<f64>; 2]> + Clone) -> Option<(Self, f64)> {
         let (mut count, mut from, mut to) = (0.0, Vector2::zeros(), Vector2::zeros());
         for [a, b] in pairs.clone() {

@@ -1,9 +1,9 @@
 //! Unfolding: the shapes of a patch developed into the plane, face against face, along the path first, then outwards.
 //!
-//! A breadth-first spanning tree of the faces is laid out: each face is put against its parent by the similarity of the plane that makes
-//! their common edge agree and leaves them on different sides of it. One rule covers every source of shapes: texture coordinates
-//! without a seam are reproduced, across a seam or a period they go on (also into a panel that is mirrored or scaled), and lengths give
-//! the isometric unfolding.
+//! A breadth-first spanning tree of the faces is laid out: each face is put against its parent by the similarity of the
+//! plane that makes their common edge agree and leaves them on different sides of it. One rule covers every source of
+//! shapes: texture coordinates without a seam are reproduced, across a seam or a period they go on (also into a panel
+//! that is mirrored or scaled), and lengths give the isometric unfolding.
 
 use std::collections::VecDeque;
 
@@ -55,8 +55,8 @@ pub(super) enum Facing {
 }
 
 impl Unfolding {
-    /// Unfolds a patch from its first face. False where the patch is empty or one-sided (no orientation fits, and no chart exists), or a
-    /// place is not finite.
+    /// Unfolds a patch from its first face. False where the patch is empty or one-sided (no orientation fits, and no
+    /// chart exists), or a place is not finite.
     ///
     /// Cost: linear in the faces.
     pub(super) fn unfold(&mut self, mesh: &Mesh, patch: &Patch, shapes: &[Shape]) -> bool {
@@ -100,7 +100,8 @@ impl Unfolding {
         self.queue.clear();
     }
 
-    /// Goes across a side of a face: places and queues the neighbour if it is new. False where it lies in the wrong orientation.
+    /// Goes across a side of a face: places and queues the neighbour if it is new. False where it lies in the wrong
+    /// orientation.
     fn cross(&mut self, mesh: &Mesh, patch: &Patch, shapes: &[Shape], face: usize, side: usize) -> bool {
         let Some(neighbour) = patch.neighbour(mesh, face, side) else {
             self.outline[face][side] = true;
@@ -204,8 +205,8 @@ fn facing_beside(known: Facing, is_same_way: bool, shapes: &[Shape], face: usize
         let [a, b, c] = shapes[at];
         (b - a).perp(&(c - a)) >= 0.0
     };
-    // The winding in the plane is that of the shape, mirrored or not. Neighbours that name their common side in the same direction
-    // need opposite windings.
+    // The winding in the plane is that of the shape, mirrored or not. Neighbours that name their common side in the
+    // same direction need opposite windings.
     let is_left_wound = winding(face) == (known == Facing::Straight);
     if winding(next) == (is_left_wound != is_same_way) { Facing::Straight } else { Facing::Mirrored }
 }

@@ -5,7 +5,8 @@ use nalgebra::{Point2, Vector2};
 use super::thin_plate::ThinPlate;
 use crate::{correspond::lifted::LiftedPair, geometry::left_normal};
 
-/// Paths whose centres spread across their main direction by less than this part of their spread along it count as nearly straight.
+/// Paths whose centres spread across their main direction by less than this part of their spread along it count as
+/// nearly straight.
 const NEARLY_STRAIGHT: f64 = 0.25;
 /// Of centres that are closer to each other than this part of the path length one is kept.
 const DUPLICATE: f64 = 1e-6;
@@ -46,13 +47,14 @@ impl Centres {
 
     /// Places the centres.
     ///
-    /// Points on a straight path do not determine the map across it, and those on a nearly straight one do so by little more than noise. There
-    /// the fit gets centres beside the path too: a point `offset` beside the path inside maps to one `offset` beside the corresponding path. The
-    /// noise that the paper adds instead makes the slope across the path random. Centres outside would double the cost and make the targets no
-    /// better, since only the inside is mapped.
+    /// Points on a straight path do not determine the map across it, and those on a nearly straight one do so by little
+    /// more than noise. There the fit gets centres beside the path too: a point `offset` beside the path inside maps to
+    /// one `offset` beside the corresponding path. The noise that the paper adds instead makes the slope across the
+    /// path random. Centres outside would double the cost and make the targets no better, since only the inside is
+    /// mapped.
     ///
-    /// `sides` are those on which the inside and its image lie: 1 for left and -1 for right of the direction of travel. With `is_mutual` the
-    /// map is its own inverse: every centre serves in both directions.
+    /// `sides` are those on which the inside and its image lie: 1 for left and -1 for right of the direction of travel.
+    /// With `is_mutual` the map is its own inverse: every centre serves in both directions.
     pub(crate) fn place(&mut self, pair: &LiftedPair, sides: (f64, f64), offset: f64, is_mutual: bool) {
         self.from.clear();
         self.to.clear();
@@ -92,8 +94,9 @@ impl Centres {
         }
     }
 
-    /// Adds a centre half way between two where the fit misses the path between them by more than `tolerance`, the worst first, up to `most`
-    /// centres. Returns by how much, in metres of the chart, it misses the path at worst, and whether centres were added.
+    /// Adds a centre half way between two where the fit misses the path between them by more than `tolerance`, the
+    /// worst first, up to `most` centres. Returns by how much, in metres of the chart, it misses the path at worst, and
+    /// whether centres were added.
     pub(crate) fn refine(&mut self, pair: &LiftedPair, plate: &ThinPlate, tolerance: f64, most: usize) -> (f64, bool) {
         self.gaps.clear();
         let count = self.stations.len();
@@ -136,8 +139,8 @@ impl Centres {
     }
 }
 
-/// Spread of points across their main direction, as a part of the spread along it: the root of the ratio of the eigenvalues of their
-/// covariance.
+/// Spread of points across their main direction, as a part of the spread along it: the root of the ratio of the
+/// eigenvalues of their covariance.
 fn spread(points: &[Point2<f64>]) -> f64 {
     let mut mean = Vector2::zeros();
     for point in points {
@@ -194,7 +197,8 @@ mod tests {
                 PathPoint { position: [0.0, y, 0.0].into(), own: place(0.42, y), partner: place(0.58, y) }
             })
             .collect::<Vec<PathPoint>>();
-        // Not a path as it is found, which has a point on every edge: each segment counts for the face of its first point.
+        // Not a path as it is found, which has a point on every edge: each segment counts for the face of its first
+        // point.
         let face = |place: &SurfacePoint| match *place {
             SurfacePoint::Face { face, .. } => face,
             _ => unreachable!("all places lie in faces"),

@@ -1,13 +1,14 @@
 //! The thin-plate kernel `r^2 log r`, several centres at a time: most of the time of a fit goes into its logarithms.
 //!
-//! Vectorised or not, the operations and their order are the same, none of them fused: so the answer does not depend on the processor.
+//! Vectorised or not, the operations and their order are the same, none of them fused: so the answer does not depend on
+//! the processor.
 
 use nalgebra::{Point2, Vector2};
 
 use crate::intersect::lanes::{Lanes, Task, dispatch};
 
-/// Centres that go through the kernel together. The loops over them have no fixed length, or the compiler would unroll instead of
-/// vectorising them.
+/// Centres that go through the kernel together. The loops over them have no fixed length, or the compiler would unroll
+/// instead of vectorising them.
 const CHUNK: usize = 64;
 /// Number of partial sums, so that a vector of them can be added at once.
 const LANES: usize = 4;
@@ -20,8 +21,9 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
 /// `r^2 log r` from the square of `r`; zero for zero.
 ///
-/// With `r^2 = 2^e m` and `f = (m - 1) / (m + 1)`, `log r^2 = e log 2 + 2 (f + f^3/3 + f^5/5 + ...)`, `|f| < 0.172`: ten terms are
-/// exact to the last bit or two. The standard library's logarithm is a call, which keeps the loop round it from being vectorised.
+/// With `r^2 = 2^e m` and `f = (m - 1) / (m + 1)`, `log r^2 = e log 2 + 2 (f + f^3/3 + f^5/5 + ...)`, `|f| < 0.172`:
+/// ten terms are exact to the last bit or two. The standard library's logarithm is a call, which keeps the loop round
+/// it from being vectorised.
 #[inline(always)]
 fn kernel(squared: f64) -> f64 {
     let shifted = squared.to_bits().wrapping_add(ONE - LEAST_MANTISSA);

@@ -1,4 +1,5 @@
-//! The fit of a map from path to corresponding path: a thin plate through [centres] on the path, refined where it misses the path.
+//! The fit of a map from path to corresponding path: a thin plate through [centres] on the path, refined where it
+//! misses the path.
 
 mod centres;
 mod kernel;
@@ -27,10 +28,11 @@ pub(super) struct PathFit {
 }
 
 impl PathFit {
-    /// Fits the map from path to corresponding path, with as many centres as it takes, and returns by how much it still misses the path at
-    /// worst, in metres. Nothing where the system can't be solved.
+    /// Fits the map from path to corresponding path, with as many centres as it takes, and returns by how much it still
+    /// misses the path at worst, in metres. Nothing where the system can't be solved.
     ///
-    /// `sides` are those of inside and image, and `is_mutual` says that the map is its own inverse, as for [`Centres::place`].
+    /// `sides` are those of inside and image, and `is_mutual` says that the map is its own inverse, as for
+    /// [`Centres::place`].
     ///
     /// Cost: cubic in the centres.
     pub(super) fn fit(

@@ -1,4 +1,5 @@
-//! Thin-plate fits of difficult centres: on a line, on the flattest of arcs, in nearly one place, and a thousand of them.
+//! Thin-plate fits of difficult centres: on a line, on the flattest of arcs, in nearly one place, and a thousand of
+//! them.
 
 use nalgebra::Point2;
 
@@ -24,7 +25,8 @@ fn circle(count: u32, shift: f64) -> impl Iterator<Item = Point2<f64>> {
     (0..count).map(move |k| Point2::new(angle(k).cos(), angle(k).sin()))
 }
 
-/// Fits a map, and returns it, by how much the map misses its centres at worst, and the largest coordinate of an image near them.
+/// Fits a map, and returns it, by how much the map misses its centres at worst, and the largest coordinate of an image
+/// near them.
 fn fitted(centres: &[Point2<f64>], values: &[Point2<f64>]) -> (ThinPlate, f64, f64) {
     let mut plate = ThinPlate::default();
     assert!(plate.fit(centres, values));
@@ -49,7 +51,8 @@ fn thin_plate_of_arc_of_any_flatness_interpolates_or_is_rank_deficient() {
             let is_short = plate.rank() < centres.len() + 3;
             assert!(miss < 1e-6, "{count} on {angle:e}: {miss:e}, short {is_short}");
             assert!(is_short || angle > 0.0, "{count} on a line: the slope across it is not known");
-            // A bend along the arc leaves the slope across it undetermined; the image of a rotation must stay bounded beside it.
+            // A bend along the arc leaves the slope across it undetermined; the image of a rotation must stay bounded
+            // beside it.
             let turned: Vec<_> = centres.iter().map(|p| Point2::new(-p.y, p.x)).collect();
             let (_, miss, largest) = fitted(&centres, &turned);
             assert!(miss < 1e-6 && largest < 2.0, "{count} on {angle:e}: {miss:e} {largest:e}");

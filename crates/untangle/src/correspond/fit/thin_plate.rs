@@ -1,8 +1,9 @@
 //! Thin-plate spline of a map of the plane (Duchon 1977; Bookstein 1989 for maps from plane to plane).
 //!
-//! `d(x) = a0 + a1 x + a2 y + sum_j w_j phi(|x - c_j|)` with `phi(r) = r^2 log r`, so that `d(c_i) = v_i` and the weights have
-//! no affine part (Wicke, Lanker and Gross 2006, equations 1 to 3; the matrix A there is n x 3, not n x 4). Both sides are centred
-//! and scaled to unit size first: without that the condition number would depend on the unit of length.
+//! `d(x) = a0 + a1 x + a2 y + sum_j w_j phi(|x - c_j|)` with `phi(r) = r^2 log r`, so that `d(c_i) = v_i` and the
+//! weights have no affine part (Wicke, Lanker and Gross 2006, equations 1 to 3; the matrix A there is n x 3, not n x
+//! 4). Both sides are centred and scaled to unit size first: without that the condition number would depend on the unit
+//! of length.
 
 use nalgebra::{Point2, Vector2};
 
@@ -56,11 +57,11 @@ impl Scaling {
 }
 
 impl ThinPlate {
-    /// Fits the map that takes `centres[i]` to `values[i]`; no two centres may coincide. False, and the map is not to be used,
-    /// where there are fewer than three centres or the numbers overflow.
+    /// Fits the map that takes `centres[i]` to `values[i]`; no two centres may coincide. False, and the map is not to
+    /// be used, where there are fewer than three centres or the numbers overflow.
     ///
-    /// Where the system is singular (collinear centres), the unknowns without a pivot are left out, which makes the map vary
-    /// across the line as little as the kernel does: [`rank`](Self::rank) says so.
+    /// Where the system is singular (collinear centres), the unknowns without a pivot are left out, which makes the map
+    /// vary across the line as little as the kernel does: [`rank`](Self::rank) says so.
     ///
     /// Cost: O(n^3) in the centres.
     pub(crate) fn fit(&mut self, centres: &[Point2<f64>], values: &[Point2<f64>]) -> bool {
@@ -113,8 +114,8 @@ impl ThinPlate {
         self.system.rank()
     }
 
-    /// Estimate of the condition number of the kernels on weights without an affine part, as far as their rank goes: the ratio of the largest
-    /// to the smallest pivot.
+    /// Estimate of the condition number of the kernels on weights without an affine part, as far as their rank goes:
+    /// the ratio of the largest to the smallest pivot.
     pub(crate) fn condition(&self) -> f64 {
         self.system.condition()
     }

@@ -9,7 +9,8 @@ use crate::{
     paths::{PathPoint, PathSegment, Sheet},
 };
 
-/// A path that winds round a tube is sampled beyond both ends by this part of its length, so that the fit has no end there.
+/// A path that winds round a tube is sampled beyond both ends by this part of its length, so that the fit has no end
+/// there.
 const BEYOND_ENDS: f64 = 0.25;
 
 /// The lifts of a path in its own chart and in that of the corresponding path.
@@ -24,8 +25,8 @@ pub(crate) struct LiftedPair {
     pub(super) closed: bool,
     /// Whether path and corresponding path are exchanged.
     is_exchanged: bool,
-    /// Scratch of [`region_side`](Self::region_side): edge, parameter and point of each crossing of an edge, and the vertices that the
-    /// path runs through.
+    /// Scratch of [`region_side`](Self::region_side): edge, parameter and point of each crossing of an edge, and the
+    /// vertices that the path runs through.
     pub(super) crossings: Vec<(EdgeId, f64, usize)>,
     pub(super) loop_vertices: Vec<VertexId>,
 }
@@ -52,8 +53,8 @@ impl LiftedPair {
         self.own.lift(mesh, points, segments, Sheet::Own, closed, chart)
     }
 
-    /// Lifts the path taken by [`lift_own`](Self::lift_own) in the chart of the corresponding path. False if a part of it lies outside of the
-    /// chart.
+    /// Lifts the path taken by [`lift_own`](Self::lift_own) in the chart of the corresponding path. False if a part of
+    /// it lies outside of the chart.
     pub(crate) fn lift_partner(
         &mut self,
         mesh: &Mesh,
@@ -70,8 +71,8 @@ impl LiftedPair {
         self.is_exchanged = !self.is_exchanged;
     }
 
-    /// Undoes [`exchange`](Self::exchange), if there was one: so that the same path of the next frame finds memory of the size that it
-    /// needs.
+    /// Undoes [`exchange`](Self::exchange), if there was one: so that the same path of the next frame finds memory of
+    /// the size that it needs.
     pub(crate) fn undo_exchange(&mut self) {
         if self.is_exchanged {
             self.exchange();
@@ -88,8 +89,8 @@ impl LiftedPair {
         self.own.period.is_some() && self.partner.period.is_some()
     }
 
-    /// Whether only the corresponding path winds round a tube: then the inside is a disc, and no single-valued map of the plane takes it to
-    /// its image.
+    /// Whether only the corresponding path winds round a tube: then the inside is a disc, and no single-valued map of
+    /// the plane takes it to its image.
     pub(crate) fn only_partner_winds(&self) -> bool {
         self.own.period.is_none() && self.partner.period.is_some()
     }
@@ -99,8 +100,8 @@ impl LiftedPair {
         self.arclength.last().copied().unwrap_or(0.0)
     }
 
-    /// Writes the arclengths of `count` samples that are equidistant in the world: both ends of an open path, the start of a closed one
-    /// once; of a path that winds round a tube beyond both ends.
+    /// Writes the arclengths of `count` samples that are equidistant in the world: both ends of an open path, the start
+    /// of a closed one once; of a path that winds round a tube beyond both ends.
     pub(crate) fn sample(&self, count: usize, stations: &mut Vec<f64>) {
         stations.clear();
         let (first, last, intervals) = match (self.closed, self.winds()) {
@@ -119,8 +120,8 @@ impl LiftedPair {
         if self.closed && self.winds() { 1.0 + 2.0 * BEYOND_ENDS } else { 1.0 }
     }
 
-    /// Where the path lies at an arclength in metres, on its own sheet and on the other. A path that winds round a tube goes on beyond its
-    /// ends, others stop there.
+    /// Where the path lies at an arclength in metres, on its own sheet and on the other. A path that winds round a tube
+    /// goes on beyond its ends, others stop there.
     pub(crate) fn at_arclength(&self, arclength_m: f64) -> (Point2<f64>, Point2<f64>) {
         let length = self.length();
         let rounds = if self.winds() && length > 0.0 { (arclength_m / length).floor() } else { 0.0 };

@@ -18,7 +18,8 @@ const NUM_STATIONS: usize = 60;
 pub(crate) struct LiftedPath {
     /// The points, one after the other. A path that winds round a tube does not end where it starts.
     pub(crate) points: Vec<Point2<f64>>,
-    /// For each segment the deck transformation from its face, as it lies in the chart, to the copy in which the path runs there.
+    /// For each segment the deck transformation from its face, as it lies in the chart, to the copy in which the path
+    /// runs there.
     decks: Vec<Similarity>,
     /// For a closed path that winds round a tube the deck transformation from one round to the next.
     pub(crate) period: Option<Similarity>,
@@ -65,7 +66,8 @@ impl LiftedPath {
         self.points.len() >= 2
     }
 
-    /// The deck transformation after one round of a closed path, where it moves the start by more than the gap that an unfolding leaves.
+    /// The deck transformation after one round of a closed path, where it moves the start by more than the gap that an
+    /// unfolding leaves.
     fn winding_period(&self, deck: Similarity) -> Option<Similarity> {
         let length: f64 = self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
         ((deck.apply(self.points[0]) - self.points[0]).norm() > WINDING_GAP * length).then_some(deck)
@@ -97,8 +99,8 @@ impl LiftedPath {
     }
 }
 
-/// The similarity that puts a face beside the one before it where a path runs from one to the other; nothing where they lie beside each
-/// other in the chart.
+/// The similarity that puts a face beside the one before it where a path runs from one to the other; nothing where they
+/// lie beside each other in the chart.
 fn transition(mesh: &Mesh, chart: &Chart, before: FaceId, face: FaceId, place: &SurfacePoint) -> Option<Similarity> {
     if before == face {
         return None;

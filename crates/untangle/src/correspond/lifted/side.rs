@@ -10,11 +10,12 @@ use crate::{
 };
 
 impl LiftedPair {
-    /// On which side a region lies: 1 for the left of the direction of travel, -1 for the right, in the coordinates of the chart. Nothing where
-    /// the votes are even.
+    /// On which side a region lies: 1 for the left of the direction of travel, -1 for the right, in the coordinates of
+    /// the chart. Nothing where the votes are even.
     ///
-    /// Next to every crossing of an edge, up to the neighbouring crossing or the end of the edge, points lie on one side only. Where that is
-    /// the end of the edge, its vertex votes: it is inside or not. A closed path that crosses no edge holds its region within.
+    /// Next to every crossing of an edge, up to the neighbouring crossing or the end of the edge, points lie on one
+    /// side only. Where that is the end of the edge, its vertex votes: it is inside or not. A closed path that crosses
+    /// no edge holds its region within.
     pub(crate) fn region_side(
         &mut self,
         mesh: &Mesh,

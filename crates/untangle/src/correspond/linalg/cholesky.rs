@@ -1,7 +1,7 @@
 //! Sparse Cholesky factorisation, in memory that is kept.
 //!
-//! The order of elimination is that of an approximate minimum degree (Amestoy, Davis and Duff 1996), by faer; the factorisation
-//! `P A P^T = L L^T` is up-looking, row by row along the elimination tree (Davis 2006, chapter 4).
+//! The order of elimination is that of an approximate minimum degree (Amestoy, Davis and Duff 1996), by faer; the
+//! factorisation `P A P^T = L L^T` is up-looking, row by row along the elimination tree (Davis 2006, chapter 4).
 
 use faer::sparse::{
     SymbolicSparseColMatRef,
@@ -54,8 +54,8 @@ impl Cholesky {
         self.eliminate(matrix)
     }
 
-    /// Factorises a matrix with two rows for each of another one, in that one's order: where rows depend on each other as there, the order
-    /// fills the factor no more than one of its own would.
+    /// Factorises a matrix with two rows for each of another one, in that one's order: where rows depend on each other
+    /// as there, the order fills the factor no more than one of its own would.
     pub(crate) fn factorise_in_pairs_like(&mut self, matrix: &SparseSymmetric, other: &Self) -> bool {
         self.size = matrix.size();
         debug_assert_eq!(self.size, 2 * other.size);
@@ -137,8 +137,8 @@ impl Cholesky {
         true
     }
 
-    /// Puts a row of the matrix into `row` and the columns that it reaches in the elimination tree into `pattern`, ancestors first.
-    /// Returns its diagonal.
+    /// Puts a row of the matrix into `row` and the columns that it reaches in the elimination tree into `pattern`,
+    /// ancestors first. Returns its diagonal.
     fn gather(&mut self, matrix: &SparseSymmetric, step: usize) -> f64 {
         let mut diagonal = 0.0;
         self.marks[step] = step;
@@ -156,7 +156,8 @@ impl Cholesky {
                     self.marks[at] = step;
                     at = self.parents[at];
                 }
-                // This branch ends below a step that is there already, or at the root; on top of the stack it is taken off first.
+                // This branch ends below a step that is there already, or at the root; on top of the stack it is taken
+                // off first.
                 while let Some(at) = self.ancestors.pop() {
                     self.pattern.push(at);
                 }

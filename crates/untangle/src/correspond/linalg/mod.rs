@@ -1,4 +1,5 @@
-//! Linear algebra in memory that is kept from one system to the next, so that a frame allocates nothing after the first ones.
+//! Linear algebra in memory that is kept from one system to the next, so that a frame allocates nothing after the first
+//! ones.
 
 mod cholesky;
 mod saddle_point;

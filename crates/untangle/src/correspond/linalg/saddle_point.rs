@@ -1,8 +1,8 @@
 //! The saddle-point system of a thin-plate fit: kernels for the centres, bordered by the affine functions.
 //!
-//! On weights without an affine part the kernels are positive definite (Duchon 1977). So Householder reflections split the affine part off,
-//! and a Cholesky factorisation with complete pivoting solves the rest: a quarter of the work of an orthogonal factorisation of the whole
-//! system, and its pivots tell rank and condition.
+//! On weights without an affine part the kernels are positive definite (Duchon 1977). So Householder reflections split
+//! the affine part off, and a Cholesky factorisation with complete pivoting solves the rest: a quarter of the work of
+//! an orthogonal factorisation of the whole system, and its pivots tell rank and condition.
 
 use faer::{MatMut, MatRef, Par, linalg::cholesky::llt_pivoting::factor as pivoted};
 use nalgebra::{Point2, Vector2};
@@ -19,7 +19,8 @@ pub(crate) struct SaddlePoint {
     kernels: Vec<f64>,
     /// The block of it that belongs to weights without an affine part, column by column, then its factor.
     inner: Vec<f64>,
-    /// An orthogonal basis of the affine functions at the centres, then the vectors of the reflections, with zeros before their pivots.
+    /// An orthogonal basis of the affine functions at the centres, then the vectors of the reflections, with zeros
+    /// before their pivots.
     affine: [Vec<f64>; 3],
     /// For each of them its coefficients of 1, x and y.
     coefficients: [[f64; 3]; 3],
@@ -45,8 +46,8 @@ pub(crate) struct Solution<'a> {
 }
 
 impl SaddlePoint {
-    /// Solves for centres with mean 0. `row` writes the kernels of all centres at one of them. Weights and affine functions without a pivot
-    /// are zero. Nothing where numbers overflow.
+    /// Solves for centres with mean 0. `row` writes the kernels of all centres at one of them. Weights and affine
+    /// functions without a pivot are zero. Nothing where numbers overflow.
     ///
     /// Cost: n^3 / 3 multiplications for n centres.
     pub(crate) fn solve(
@@ -102,13 +103,14 @@ impl SaddlePoint {
         self.rank
     }
 
-    /// The ratio of the largest to the smallest pivot of the kernels on weights without an affine part; 1 where there is none.
+    /// The ratio of the largest to the smallest pivot of the kernels on weights without an affine part; 1 where there
+    /// is none.
     pub(crate) fn condition(&self) -> f64 {
         self.condition
     }
 
-    /// Writes an orthogonal basis of the affine functions: constant, along the main direction of the centres, across it; without the last
-    /// where they lie on a line. Returns how many there are.
+    /// Writes an orthogonal basis of the affine functions: constant, along the main direction of the centres, across
+    /// it; without the last where they lie on a line. Returns how many there are.
     fn span(&mut self, centres: &[Point2<f64>]) -> usize {
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for centre in centres {
@@ -128,7 +130,8 @@ impl SaddlePoint {
         1 + lengths[1..].iter().take_while(|&&length| length > RANK_TOLERANCE * lengths[0]).count()
     }
 
-    /// Reflects kernels, affine functions and values so that column `step` of the affine functions has zeros below its pivot.
+    /// Reflects kernels, affine functions and values so that column `step` of the affine functions has zeros below its
+    /// pivot.
     fn reflect(&mut self, step: usize, num_affine: usize, upper: &mut [[f64; 3]; 3]) {
         let size = self.right_sides.len();
         let column = &mut self.affine[step];
@@ -161,7 +164,8 @@ impl SaddlePoint {
         }
     }
 
-    /// Factorises the kernels without the first `skip` rows and columns, and returns their rank. Nothing where numbers overflow.
+    /// Factorises the kernels without the first `skip` rows and columns, and returns their rank. Nothing where numbers
+    /// overflow.
     fn factorise(&mut self, skip: usize) -> Option<usize> {
         let size = self.right_sides.len();
         let inner = size - skip;
@@ -197,7 +201,8 @@ impl SaddlePoint {
         Some(rank)
     }
 
-    /// Solves for the reflected weights by forward and back substitution in the leading `rank` rows and columns of the factor.
+    /// Solves for the reflected weights by forward and back substitution in the leading `rank` rows and columns of the
+    /// factor.
     fn substitute(&mut self, skip: usize, rank: usize) {
         let inner = self.right_sides.len() - skip;
         let lower = MatRef::from_column_major_slice(&self.inner, inner, inner);

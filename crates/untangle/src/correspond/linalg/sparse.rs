@@ -11,7 +11,8 @@ pub(crate) struct SparseSymmetric {
     pub(super) starts: Vec<usize>,
     pub(super) rows: Vec<usize>,
     pub(super) values: Vec<f64>,
-    /// Scratch: while triplets are sorted, the next slot of each column; then for each row the slot that it was last met in.
+    /// Scratch: while triplets are sorted, the next slot of each column; then for each row the slot that it was last
+    /// met in.
     marks: Vec<usize>,
 }
 

@@ -1,4 +1,5 @@
-//! Targets on folded sheets, where the true one is known: the layers `u` and `-u` meet, so that (u, v) belongs to (-u, v).
+//! Targets on folded sheets, where the true one is known: the layers `u` and `-u` meet, so that (u, v) belongs to (-u,
+//! v).
 
 use nalgebra::Point2;
 

@@ -9,7 +9,8 @@ use crate::mesh::Csr;
 
 /// Triangles for each cell of the grid, on the mean.
 const TRIANGLES_PER_CELL: usize = 4;
-/// Outlines of no more sides than this are searched one by one: few points lie outside, and each side in a grid costs its insertion.
+/// Outlines of no more sides than this are searched one by one: few points lie outside, and each side in a grid costs
+/// its insertion.
 const SHORT_OUTLINE: usize = 64;
 
 /// Triangles of the plane, found through a grid.
@@ -60,7 +61,8 @@ impl Locator {
         }
     }
 
-    /// Builds the grid over all triangles added. Cells hold a few triangles each, since far fewer points are looked for than there are faces.
+    /// Builds the grid over all triangles added. Cells hold a few triangles each, since far fewer points are looked for
+    /// than there are faces.
     pub(super) fn finish(&mut self) {
         let Self { triangles, outline, pairs, .. } = self;
         let grid = Grid::over(triangles.iter().flatten(), triangles.len() / TRIANGLES_PER_CELL);
@@ -88,8 +90,8 @@ impl Locator {
         })
     }
 
-    /// The nearest place on the outline, and the square of its distance; of several, the one added first. Nothing where there are no
-    /// faces.
+    /// The nearest place on the outline, and the square of its distance; of several, the one added first. Nothing where
+    /// there are no faces.
     ///
     /// Cost: that of the cells that are no farther from the point than the outline.
     pub(super) fn nearest_on_outline(&self, point: Point2<f64>) -> Option<(f64, Place)> {
@@ -109,7 +111,8 @@ impl Locator {
                 look_at(number);
             }
         } else {
-            // All of the outline lies in the grid's box: it is at least as far as the box, and from there as far as the cells between.
+            // All of the outline lies in the grid's box: it is at least as far as the box, and from there as far as the
+            // cells between.
             let to_box = self.grid.offset_from_box(point).norm_squared();
             let mut best: Option<(f64, u32, f64)> = None;
             for ring in 0..self.grid.num_rings() {

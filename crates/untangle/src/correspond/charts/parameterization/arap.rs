@@ -1,9 +1,9 @@
-//! As-rigid-as-possible parameterisation: the local-global iteration of Liu, Zhang, Xu, Gotsman and Gortler (2008), after Sorkine and
-//! Alexa (2007).
+//! As-rigid-as-possible parameterisation: the local-global iteration of Liu, Zhang, Xu, Gotsman and Gortler (2008),
+//! after Sorkine and Alexa (2007).
 
 use nalgebra::{Point2, Vector2};
 
-use super::FlatFaces;
+use super::flat_faces::FlatFaces;
 use crate::{
     correspond::linalg::{Cholesky, SparseSymmetric},
     geometry::{complex_product, conjugate_product},
@@ -45,8 +45,8 @@ impl Arap {
         &self.factor
     }
 
-    /// Alternates the best rotation of every face (local step) and the best places for these rotations (global step). False where a place is
-    /// not finite.
+    /// Alternates the best rotation of every face (local step) and the best places for these rotations (global step).
+    /// False where a place is not finite.
     pub(super) fn iterate(&mut self, parts: &FlatFaces, points: &mut [Point2<f64>]) -> bool {
         for _ in 0..ITERATIONS {
             self.rotate_faces(parts, points);

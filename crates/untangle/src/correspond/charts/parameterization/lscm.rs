@@ -2,11 +2,11 @@
 
 use nalgebra::Point2;
 
-use super::{FlatFaces, arap::Arap};
+use super::{arap::Arap, flat_faces::FlatFaces};
 use crate::correspond::linalg::{Cholesky, SparseSymmetric};
 
-/// Weight of the place that a free vertex has in the unfolding: keeps vertices that only a corner connects with the rest from making the system
-/// singular.
+/// Weight of the place that a free vertex has in the unfolding: keeps vertices that only a corner connects with the
+/// rest from making the system singular.
 const FREE_WEIGHT: f64 = 1e-12;
 
 /// The Cauchy-Riemann equations of all faces in the sense of least squares, two unknowns for each vertex.
@@ -18,8 +18,8 @@ pub(super) struct ConformalMap {
 }
 
 impl ConformalMap {
-    /// Writes the conformal map that holds two vertices where the unfolding has them: the first, and the one farthest from it. False where the
-    /// system can't be solved.
+    /// Writes the conformal map that holds two vertices where the unfolding has them: the first, and the one farthest
+    /// from it. False where the system can't be solved.
     ///
     /// The elimination order is that of `arap`, whose system has an entry where this one has a block.
     pub(super) fn solve(&mut self, parts: &FlatFaces, arap: &Arap, points: &mut [Point2<f64>]) -> bool {
@@ -39,7 +39,8 @@ impl ConformalMap {
 
     fn add_faces(&mut self, parts: &FlatFaces) {
         for face in &parts.faces {
-            // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the corner.
+            // Row of the real part: w.x u - w.y v; of the imaginary part: w.y u + w.x v; w is the side opposite the
+            // corner.
             let opposite = [1, 2, 0].map(|k: usize| face.sides[k] / (2.0 * face.area).sqrt());
             let unknown = |k: usize| 2 * face.corners[k / 2] + k % 2;
             let rows: [[f64; 2]; 6] = std::array::from_fn(|k| {

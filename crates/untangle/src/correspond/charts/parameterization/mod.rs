@@ -1,27 +1,17 @@
 //! Parameterisation of patches that don't unfold: conformal start, then as rigid as possible.
 //!
-//! Two sparse linear systems: [least-squares conformal maps](lscm) give a start without folds also for an annulus, which an unfolding
-//! tears; then the local-global iteration of [ARAP](arap) restores the lengths. Weights are cotangents of the shapes, kept positive so that
-//! the systems stay definite.
+//! Two sparse linear systems: [least-squares conformal maps](lscm) give a start without folds also for an annulus,
+//! which an unfolding tears; then the local-global iteration of [ARAP](arap) restores the lengths. Weights are
+//! cotangents of the shapes, kept positive so that the systems stay definite.
 
 mod arap;
+mod flat_faces;
 mod lscm;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{Point2, Vector2};
-
-use self::{arap::Arap, lscm::ConformalMap};
-use super::{
-    patch::Patch,
-    shapes::{Shape, sides_of},
-    unfolding::{Facing, Unfolding},
-};
-
-/// Smallest weight of a side, the largest being its inverse.
-const SMALLEST_WEIGHT: f64 = 0.05;
-/// Smallest area of a face as a part of its longest side squared.
-const SMALLEST_AREA: f64 = 1e-3;
+use self::{arap::Arap, flat_faces::FlatFaces, lscm::ConformalMap};
+use super::{patch::Patch, shapes::Shape, unfolding::Unfolding};
 
 /// As-rigid-as-possible parameterisation, in memory that is kept from one patch to the next.
 #[derive(Debug, Default)]
@@ -32,30 +22,9 @@ pub(super) struct ArapParameterization {
     arap: Arap,
 }
 
-/// The faces to be parameterised, and where the unfolding puts their vertices.
-#[derive(Debug, Default)]
-struct FlatFaces {
-    faces: Vec<FlatFace>,
-    /// For each vertex of the patch its place in the unfolding.
-    start: Vec<Point2<f64>>,
-    /// For each vertex whether it belongs to one of the faces.
-    is_used: Vec<bool>,
-}
-
-/// A reached face with its shape as it lies in the chart, at the scale of the unfolding.
-#[derive(Debug)]
-struct FlatFace {
-    corners: [usize; 3],
-    /// From corner `k` to the next.
-    sides: [Vector2<f64>; 3],
-    area: f64,
-    /// Half the cotangent of the angle opposite each side.
-    weights: [f64; 3],
-}
-
 impl ArapParameterization {
-    /// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with the places
-    /// untouched, where a system can't be solved.
+    /// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with
+    /// the places untouched, where a system can't be solved.
     ///
     /// Cost: two sparse factorisations, each for n vertices about O(n^1.5), and one solution for each iteration.
     pub(super) fn flatten(&mut self, patch: &Patch, shapes: &[Shape], unfolding: &mut Unfolding) -> bool {
@@ -70,44 +39,5 @@ impl ArapParameterization {
             points.copy_from_slice(&self.parts.start);
         }
         is_solved
-    }
-}
-
-impl FlatFaces {
-    fn take(&mut self, patch: &Patch, shapes: &[Shape], unfolding: &Unfolding, scales: &[f64]) {
-        self.start.clear();
-        self.start.extend_from_slice(&unfolding.points);
-        self.faces.clear();
-        let placed = unfolding.facing.iter().zip(scales);
-        for ((corners, shape), (&facing, &scale)) in patch.corners().iter().zip(shapes).zip(placed) {
-            if facing != Facing::Unreached {
-                let is_mirrored = facing == Facing::Mirrored;
-                self.faces.push(FlatFace::new(corners.map(|vertex| vertex as usize), *shape, is_mirrored, scale));
-            }
-        }
-        self.is_used.clear();
-        self.is_used.resize(self.start.len(), false);
-        for corner in self.faces.iter().flat_map(|face| face.corners) {
-            self.is_used[corner] = true;
-        }
-    }
-}
-
-impl FlatFace {
-    fn new(corners: [usize; 3], mut shape: Shape, is_mirrored: bool, scale: f64) -> Self {
-        if is_mirrored {
-            for point in &mut shape {
-                point.y = -point.y;
-            }
-        }
-        let sides = sides_of(&shape).map(|side| side * scale);
-        let longest = sides.iter().map(Vector2::norm).fold(0.0, f64::max);
-        let area = (0.5 * sides[0].perp(&sides[2])).abs().max(SMALLEST_AREA * longest.powi(2));
-        // The cotangent at the corner opposite side k, between the two other sides.
-        let weights = [0, 1, 2].map(|k| {
-            let cotangent = -sides[(k + 1) % 3].dot(&sides[(k + 2) % 3]) / (2.0 * area);
-            (0.5 * cotangent).clamp(SMALLEST_WEIGHT, 1.0 / SMALLEST_WEIGHT)
-        });
-        Self { corners, sides, area, weights }
     }
 }

@@ -30,7 +30,8 @@ fn quality(patch: &Patch, shapes: &[Shape], unfolding: &Unfolding) -> (f64, bool
     (worst, windings.contains(&0))
 }
 
-/// Flattens a mesh: the largest relative change of an edge, whether no face is folded over, and the misfit of the unfolding before.
+/// Flattens a mesh: the largest relative change of an edge, whether no face is folded over, and the misfit of the
+/// unfolding before.
 fn flattened(num_vertices: usize, faces: Vec<[u32; 3]>, at: impl Fn(usize) -> Point3<f64>) -> (f64, bool, f64) {
     let mesh = Mesh::new(MeshDescription { num_vertices, faces, ..Default::default() }).unwrap();
     let mut patch = Patch::default();
