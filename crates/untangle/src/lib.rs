@@ -33,6 +33,7 @@ pub mod settings;
 pub mod stage;
 
 pub mod frame;
+mod geometry;
 
 mod simd;
 

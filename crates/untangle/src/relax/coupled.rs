@@ -9,8 +9,9 @@ use super::{
 };
 use crate::{
     analysis::Analysis,
-    correspond::{Correspondences, mean_edge_length},
+    correspond::Correspondences,
     frame::Frame,
+    geometry::mean_edge_length,
     mesh::{Mesh, VertexId},
 };
 
@@ -48,7 +49,11 @@ impl CoupledStep {
         found: &Correspondences,
         mut add: impl FnMut(VertexId, Vector3<f64>),
     ) {
-        let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments) else { return };
+        let Some(edge_length_m) =
+            mean_edge_length(mesh, frame, analysis.paths.segments.iter().map(|segment| segment.own))
+        else {
+            return;
+        };
         let orientation = &*self.orientation.get_or_insert_with(|| Orientation::of(mesh));
         let source = ConstraintSource { mesh, frame, analysis, found, orientation };
         collect(&mut self.constraints, &source, Objective::Normal);

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     analysis::Analysis,
-    correspond::mean_edge_length,
+    geometry::mean_edge_length,
     mesh::{Mesh, VertexId},
     sparse_map::SparseMap,
 };
@@ -98,7 +98,8 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     }
     relaxer.domain.grow(mesh, trials.iter().flat_map(|trial| trial.constraints.vertices()), RINGS);
     mark_passing(mesh, analysis, &mut relaxer.passing);
-    relaxer.edge_length_m = mean_edge_length(mesh, frame, &analysis.paths.segments).unwrap_or(0.0);
+    relaxer.edge_length_m =
+        mean_edge_length(mesh, frame, analysis.paths.segments.iter().map(|segment| segment.own)).unwrap_or(0.0);
 }
 
 /// Marks where the sheets are to pass through each other: along the paths and inside of them.

@@ -11,8 +11,9 @@ use super::{
 };
 use crate::{
     analysis::Analysis,
-    correspond::{Correspondences, MaterialPoint, PathCorrespondence, mean_edge_length},
+    correspond::{Correspondences, MaterialPoint, PathCorrespondence},
     frame::Frame,
+    geometry::mean_edge_length,
     mesh::Mesh,
     paths::{PathSegment, PathType, Sheet},
     regions::starts_pair,
@@ -176,7 +177,9 @@ fn push(
     let round = path.closed;
     let points = &analysis.paths.points[path.points.clone()];
     let segments = &analysis.paths.segments[path.segments.clone()];
-    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return false };
+    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else {
+        return false;
+    };
     let law = ForceLaw::new(settings, edge_length_m);
     let path = PushedPath { mesh, frame, points, segments, law, edge_length_m };
     let over_partner = push.steps(&path, Sheet::Partner, &mut steps[0]);
@@ -207,7 +210,7 @@ fn shorten(view: &AnalysedFrame<'_>, copy: usize, forces: &mut Forces) {
     let path = &analysis.paths.copies[copy];
     let points = &analysis.paths.points[path.points.clone()];
     let segments = &analysis.paths.segments[path.segments.clone()];
-    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
+    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else { return };
     let law = ForceLaw::new(settings, edge_length_m);
     if law.largest_m.is_infinite() {
         // The gradient has no size but the limit, and an infinite force would override all others on these vertices.

@@ -132,7 +132,7 @@ impl CertificateCache {
             }
         }
         // A wider margin costs more in the search and lets certificates last longer.
-        let length = mean_edge_length(mesh, frame);
+        let length = sampled_edge_length(mesh, frame);
         let is_slow = length.is_finite() && longest * 64.0 <= length;
         self.margin_m = if is_slow { (64.0 * longest).clamp(length / 16.0, length / 2.0) } else { 0.0 };
         if self.margin_m <= 0.0 {
@@ -181,7 +181,7 @@ pub(super) fn expiry_m(now_m: f64, clearance_m: f64) -> f64 {
 }
 
 /// Mean length of some 512 edges, in metres: it only chooses a margin.
-fn mean_edge_length(mesh: &Mesh, frame: &Frame) -> f64 {
+fn sampled_edge_length(mesh: &Mesh, frame: &Frame) -> f64 {
     let stride = mesh.num_edges() / 512 + 1;
     let (mut sum, mut count) = (0.0, 0.0);
     for edge in mesh.edge_ids().step_by(stride) {

@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use super::{orientation::Orientation, rows::Constraints};
 use crate::{
     analysis::Analysis,
-    correspond::{Correspondences, MaterialPoint, PathCorrespondence, mean_edge_length},
+    correspond::{Correspondences, MaterialPoint, PathCorrespondence},
     frame::Frame,
+    geometry::mean_edge_length,
     mesh::Mesh,
     paths::{PathPoint, PathType, SurfacePoint},
     respond::contour,
@@ -112,7 +113,9 @@ impl ConstraintSource<'_> {
         let path = &analysis.paths.copies[copy];
         let points = &analysis.paths.points[path.points.clone()];
         let segments = &analysis.paths.segments[path.segments.clone()];
-        let Some(edge_length_m) = mean_edge_length(mesh, frame, segments) else { return };
+        let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else {
+            return;
+        };
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
         let ends_on_partner_boundary =
             |point: &PathPoint| matches!(point.partner, SurfacePoint::Edge { edge, .. } if mesh.is_boundary_edge(edge));
@@ -156,7 +159,11 @@ impl ConstraintSource<'_> {
     fn draw_back(&self, constraints: &mut Constraints, copy: usize) {
         let Self { mesh, frame, analysis, .. } = *self;
         let path = &analysis.paths.copies[copy];
-        let Some(edge_length_m) = mean_edge_length(mesh, frame, &analysis.paths.segments[path.segments.clone()]) else {
+        let Some(edge_length_m) = mean_edge_length(
+            mesh,
+            frame,
+            analysis.paths.segments[path.segments.clone()].iter().map(|segment| segment.own),
+        ) else {
             return;
         };
         for point in &analysis.paths.points[path.points.clone()] {

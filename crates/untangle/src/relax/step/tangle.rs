@@ -5,8 +5,9 @@ use nalgebra::Point3;
 use super::islands::Islands;
 use crate::{
     frame::Frame,
+    geometry::perimeter,
     intersect::{Intersections, SegmentEnd},
-    mesh::{FaceId, Mesh},
+    mesh::Mesh,
 };
 
 /// How tangled something is: less is better.
@@ -44,7 +45,7 @@ pub(crate) fn measure(mesh: &Mesh, frame: &Frame, found: &Intersections, islands
     for segment in &found.segments {
         let [a, b] = segment.ends.map(|end| position(frame, found, end));
         let length = (b - a).norm();
-        let edges = segment.faces.map(|face| mean_edge_length(mesh, frame, face));
+        let edges = segment.faces.map(|face| perimeter(mesh.face(face).map(|vertex| frame.position(vertex))) / 3.0);
         let tangle = &mut tangles[island_of(segment.faces[0])];
         tangle.length_m += length;
         if edges[0] + edges[1] > 0.0 {
@@ -69,9 +70,4 @@ fn position(frame: &Frame, found: &Intersections, end: SegmentEnd) -> Point3<f64
         SegmentEnd::EdgeFace(index) => found.edge_face[index as usize].position,
         SegmentEnd::LoopVertex(vertex) => frame.position(vertex),
     }
-}
-
-fn mean_edge_length(mesh: &Mesh, frame: &Frame, face: FaceId) -> f64 {
-    let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
-    ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
 }
