@@ -1,11 +1,11 @@
-//! The two forms of a glTF file: JSON alone, or JSON and binary chunks in one file.
+//! The two containers of glTF: JSON alone, or JSON and binary chunks in one file.
 
 use std::{
     io::{self, Write},
     ops::Range,
 };
 
-/// Form of a glTF file.
+/// Container of a glTF file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Container {
     /// `.gltf`: JSON.
@@ -14,12 +14,12 @@ pub(crate) enum Container {
     Binary,
 }
 
-/// Where in a file its JSON stands, the binary chunk, and what comes after that.
+/// The byte ranges of a file: its JSON, its binary chunk, and the chunks of extensions after it.
 #[derive(Clone, Debug)]
-pub(super) struct Chunks {
-    pub(super) container: Container,
-    pub(super) json: Range<usize>,
-    pub(super) binary: Option<Range<usize>>,
+pub(crate) struct Chunks {
+    pub(crate) container: Container,
+    pub(crate) json: Range<usize>,
+    pub(crate) binary: Option<Range<usize>>,
     rest: Range<usize>,
 }
 
@@ -28,8 +28,8 @@ const BINARY: [u8; 4] = *b"BIN\0";
 const HEADER: usize = 12;
 
 impl Chunks {
-    /// Nothing for a file that is cut off.
-    pub(super) fn find(source: &[u8]) -> Option<Self> {
+    /// Finds the chunks; `None` for a file that is cut off.
+    pub(crate) fn find(source: &[u8]) -> Option<Self> {
         if !source.starts_with(b"glTF") {
             let end = source.len();
             return Some(Self { container: Container::Text, json: 0..end, binary: None, rest: end..end });
@@ -41,8 +41,8 @@ impl Chunks {
         (kind == JSON).then_some(Self { container: Container::Binary, json, binary: second, rest })
     }
 
-    /// Writes the file with other JSON and another binary chunk, in either form. Chunks of extensions are kept in a binary file.
-    pub(super) fn write(
+    /// Writes the file with other JSON and another binary chunk, in either container. A binary file keeps the chunks of extensions.
+    pub(crate) fn write(
         &self,
         source: &[u8],
         container: Container,
@@ -53,7 +53,7 @@ impl Chunks {
         if container == Container::Text {
             return out.write_all(json);
         }
-        // Padding that was there is not needed twice.
+        // The padding of the source is taken off, since it is added again.
         let json = json.trim_ascii_end();
         let rest = if self.container == Container::Binary { &source[self.rest.clone()] } else { &[] };
         let binary_length = binary.map_or(0, |binary| 8 + padded(binary.len()));

@@ -1,31 +1,31 @@
-//! Where the positions of a node stand in a buffer, and why some can't be written there.
+//! The place of a node's positions in a buffer, and the reasons why some positions can't be replaced there.
 
 use gltf::{Accessor, Document, Node, Semantic, accessor::DataType};
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
-/// Positions in a buffer that may be replaced: each is three little-endian singles.
+/// Positions in a buffer that may be replaced, each of three little-endian singles.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub(super) accessor: usize,
-    pub(super) bytes: Bytes,
+pub(crate) struct Place {
+    pub(crate) accessor: usize,
+    pub(crate) bytes: Bytes,
     from_world: Matrix4<f64>,
-    /// Whether world coordinates are those that are stored.
-    pub(super) is_identity: bool,
+    /// Whether the stored coordinates are world coordinates.
+    pub(crate) is_identity: bool,
 }
 
 /// The bytes of an accessor: `count` elements of `width`, `stride` apart, of which the first starts at `start`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bytes {
-    pub(super) buffer: usize,
-    pub(super) start: usize,
-    pub(super) stride: usize,
-    pub(super) width: usize,
-    pub(super) count: usize,
+pub(crate) struct Bytes {
+    pub(crate) buffer: usize,
+    pub(crate) start: usize,
+    pub(crate) stride: usize,
+    pub(crate) width: usize,
+    pub(crate) count: usize,
 }
 
 impl Place {
-    /// Where the positions of a node stand, if they may move there; else the reason why not.
-    pub(super) fn new(
+    /// The place of a node's positions, or the reason why they can't be replaced.
+    pub(crate) fn new(
         document: &Document,
         node: &Node<'_>,
         accessor: &Accessor<'_>,
@@ -67,8 +67,8 @@ impl Place {
         }
     }
 
-    /// A world position as it is stored; nothing if it is beyond single precision.
-    pub(super) fn stored(&self, [x, y, z]: [f64; 3]) -> Option<[f32; 3]> {
+    /// A world position as it is stored; `None` if it is beyond single precision.
+    pub(crate) fn stored(&self, [x, y, z]: [f64; 3]) -> Option<[f32; 3]> {
         let local = self.from_world * Vector4::new(x, y, z, 1.0);
         #[expect(clippy::cast_possible_truncation, reason = "the file holds single precision")]
         let stored = [local.x as f32, local.y as f32, local.z as f32];
@@ -76,7 +76,7 @@ impl Place {
     }
 }
 
-/// Extensions that keep positions in a second, compressed form.
+/// Extensions that hold positions in a second, compressed form.
 const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Whether an accessor is anything but the positions of one mesh.
@@ -100,7 +100,7 @@ fn is_used_otherwise(document: &Document, accessor: usize, mesh: Option<usize>) 
 }
 
 impl Bytes {
-    /// Nothing for an accessor without elements or without a buffer of its own.
+    /// The bytes of an accessor; `None` without elements or without a buffer.
     fn of(accessor: &Accessor<'_>) -> Option<Self> {
         let view = accessor.view()?;
         let width = accessor.size();
@@ -113,7 +113,7 @@ impl Bytes {
         self.start.saturating_add((self.count - 1).saturating_mul(self.stride)).saturating_add(self.width)
     }
 
-    /// Whether the two have a byte in common; attributes that take turns have none.
+    /// Whether the two share a byte; interleaved attributes share none.
     fn overlaps(&self, other: &Self) -> bool {
         if self.buffer != other.buffer || self.start >= other.end() || other.start >= self.end() {
             return false;
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn interleaved_bytes_are_apart() {
+    fn bytes_of_interleaved_attributes_do_not_overlap() {
         let bytes = |start, stride, width| Bytes { buffer: 0, start, stride, width, count: 10 };
         let positions = bytes(4, 32, 12);
         for (other, expected) in [

@@ -1,104 +1,19 @@
-//! Polygons of a file, and how they are split into triangles.
+//! Polygons split into triangles.
 
 use robust::{Coord, orient2d};
 
-/// The index of a corner without texture coordinates.
-pub(super) const NO_UV: u32 = u32::MAX;
-
-/// Polygons in the order of a file, corners in one flat list.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Polygons {
-    ends: Vec<usize>,
-    corners: Vec<u32>,
-    /// For each corner its texture coordinate or [`NO_UV`].
-    uv_corners: Vec<u32>,
-}
-
-impl Polygons {
-    /// Number of polygons.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
-    /// The vertices of one polygon, in order.
-    #[must_use]
-    pub fn corners(&self, polygon: usize) -> &[u32] {
-        &self.corners[self.range(polygon)]
-    }
-
-    /// The texture coordinates of one polygon, one for each corner; nothing unless all polygons have them.
-    #[must_use]
-    pub fn uv_corners(&self, polygon: usize) -> Option<&[u32]> {
-        self.has_uvs().then(|| &self.uv_corners[self.range(polygon)])
-    }
-
-    /// The texture coordinates of one polygon, [`NO_UV`] where a corner has none.
-    pub(super) fn raw_uv_corners(&self, polygon: usize) -> &[u32] {
-        &self.uv_corners[self.range(polygon)]
-    }
-
-    fn has_uvs(&self) -> bool {
-        !self.uv_corners.is_empty() && !self.uv_corners.contains(&NO_UV)
-    }
-
-    fn range(&self, polygon: usize) -> std::ops::Range<usize> {
-        let start = if polygon == 0 { 0 } else { self.ends[polygon - 1] };
-        start..self.ends[polygon]
-    }
-
-    /// Adds a corner to the polygon that is being built.
-    pub(super) fn push_corner(&mut self, vertex: u32, uv: u32) {
-        self.corners.push(vertex);
-        self.uv_corners.push(uv);
-    }
-
-    /// Gives every corner the texture coordinate of its vertex's number.
-    pub(super) fn use_vertices_as_uvs(&mut self) {
-        self.uv_corners.clone_from(&self.corners);
-    }
-
-    /// Ends the polygon that is being built; says how many corners it has.
-    pub(super) fn finish_polygon(&mut self) -> usize {
-        let start = self.ends.last().copied().unwrap_or(0);
-        self.ends.push(self.corners.len());
-        self.corners.len() - start
-    }
-
-    /// All triangles, polygon by polygon, as vertices and, where all corners have them, texture coordinates.
-    ///
-    /// A polygon of `n` corners gives `n - 2` triangles of its orientation. A convex one becomes the fan of its first corner, as
-    /// most programs have it; others are split by clipping ears, first come first, in the coordinate plane in which the polygon
-    /// is largest, with exact signs. What has no ear (a polygon that crosses itself or lies on a line) becomes a fan.
-    pub(super) fn triangulate(&self, positions: &[[f64; 3]]) -> (Vec<[u32; 3]>, Option<Vec<[u32; 3]>>) {
-        let mut slots = Vec::with_capacity(self.corners.len());
-        for polygon in 0..self.len() {
-            let range = self.range(polygon);
-            let corners = &self.corners[range.clone()];
-            if corners.len() == 3 {
-                slots.push([range.start, range.start + 1, range.start + 2]);
-            } else {
-                let points: Vec<[f64; 3]> = corners.iter().map(|&corner| positions[corner as usize]).collect();
-                clip_ears(&points, |triangle| slots.push(triangle.map(|corner| range.start + corner)));
-            }
-        }
-        let faces = slots.iter().map(|slots| slots.map(|slot| self.corners[slot])).collect();
-        let uvs = self.has_uvs().then(|| slots.iter().map(|slots| slots.map(|slot| self.uv_corners[slot])).collect());
-        (faces, uvs)
-    }
-}
-
-/// How many signs may be asked for one polygon: what is larger than some thousand corners and far from convex becomes a fan.
+/// Most orientation signs computed for one polygon, since clipping ears costs O(n^3): a polygon of more than some thousand corners
+/// that is far from convex becomes a fan.
 const MOST_SIGNS: usize = 20_000_000;
 
-/// Splits one polygon; emits triples of corner numbers.
-fn clip_ears(points: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
+/// Splits one polygon of `n` corners into `n - 2` triangles of its orientation, each emitted as three corner numbers.
+///
+/// Ears are clipped in the order of the corners, in the coordinate plane in which the polygon's area is largest, and decided by exact
+/// signs (Shewchuk 1997). A convex polygon so becomes the fan of its first corner, as in most programs. A polygon without an ear,
+/// because it crosses itself or lies on a line, becomes a fan too.
+///
+/// Cost: O(n^2) for a convex polygon, at most [`MOST_SIGNS`] otherwise.
+pub(crate) fn clip_ears(points: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
     let plane = project(points);
     let turns_left = |a: usize, b: usize, c: usize| orient2d(plane[a], plane[b], plane[c]);
     let mut ring: Vec<usize> = (0..points.len()).collect();
@@ -138,7 +53,7 @@ fn clip_ears(points: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The polygon in the coordinate plane in which its area is largest, counter-clockwise.
+/// Projects the polygon to the coordinate plane in which its area is largest, so that it runs counter-clockwise.
 fn project(points: &[[f64; 3]]) -> Vec<Coord<f64>> {
     // Twice the area vector (Newell's method), about the first point.
     let mut area = [0.0f64; 3];
@@ -178,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn convex_becomes_the_fan_of_its_first_corner() {
+    fn clip_ears_of_a_convex_polygon_gives_the_fan_of_its_first_corner() {
         let hexagon = [[2., 0.], [1., 2.], [-1., 2.], [-2., 0.], [-1., -2.], [1., -2.]];
         assert_eq!(split(&hexagon), [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
         let clockwise: Vec<_> = hexagon.iter().rev().copied().collect();
@@ -186,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn non_convex_is_covered_exactly() {
+    fn clip_ears_of_a_non_convex_polygon_covers_its_area_once() {
         // An arrow whose fan from corner 0 would leave it, a comb, and a ring cut open along a bridge.
         let arrow = vec![[0., 0.], [2., 1.], [0., 2.], [1., 1.]];
         let comb = vec![[0., 0.], [5., 0.], [5., 3.], [4., 1.], [3., 3.], [2., 1.], [1., 3.], [0.5, 1.], [0., 3.]];
@@ -206,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn hopeless_polygons_keep_their_number_of_triangles() {
+    fn clip_ears_of_a_degenerate_polygon_keeps_the_number_of_triangles() {
         assert_eq!(split(&[[0., 0.], [1., 0.], [2., 0.], [3., 0.], [1., 0.]]).len(), 3);
         assert_eq!(split(&[[0., 0.], [1., 1.], [1., 0.], [0., 1.]]).len(), 2);
         assert_eq!(split(&[[0., 0.]; 6]).len(), 4);

@@ -1,24 +1,24 @@
-//! Edits of a JSON text that leave every other byte as it was.
+//! Edits of a JSON text that leave every other byte unchanged.
 
 use std::ops::Range;
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::super::text::{Edit, write_edited};
+use crate::formats::text::{Edit, write_edited};
 
-/// What may be edited in a glTF document, by where it stands in the text.
+/// Byte ranges of what may be edited in the JSON of a glTF document.
 #[derive(Debug, Default)]
-pub(super) struct Spans {
+pub(crate) struct Spans {
     /// `min` and `max` of each accessor.
-    pub(super) bounds: Vec<[Option<Range<usize>>; 2]>,
+    pub(crate) bounds: Vec<[Option<Range<usize>>; 2]>,
     /// Each buffer.
-    pub(super) buffers: Vec<BufferSpan>,
+    pub(crate) buffers: Vec<BufferSpan>,
 }
 
-/// A buffer in the text.
+/// The byte ranges of one buffer.
 #[derive(Debug)]
-pub(super) struct BufferSpan {
+pub(crate) struct BufferSpan {
     /// The whole object.
     object: Range<usize>,
     /// The value of `uri`.
@@ -48,10 +48,10 @@ struct BufferText<'a> {
 }
 
 impl Spans {
-    /// Finds them all.
-    pub(super) fn find(json: &[u8]) -> Result<Self, serde_json::Error> {
+    /// Finds all of them.
+    pub(crate) fn find(json: &[u8]) -> Result<Self, serde_json::Error> {
         let span = |value: &RawValue| {
-            // The value borrows from the text, so its address says where it stands.
+            // The value borrows from the text, so its address gives its offset.
             let start = value.get().as_ptr().addr() - json.as_ptr().addr();
             start..start + value.get().len()
         };
@@ -70,20 +70,20 @@ impl Spans {
 }
 
 impl BufferSpan {
-    /// The edit that gives the buffer another link.
-    pub(super) fn set_uri(&self, link: &str) -> Edit {
+    /// The edit that sets the link of the buffer.
+    pub(crate) fn set_uri(&self, link: &str) -> Edit {
         match &self.uri {
             Some(uri) => replacing(uri, format!("\"{link}\"").into_bytes()),
             None => {
                 let inside = self.object.start + 1;
-                // A buffer has at least its length, so a comma is right.
+                // `byteLength` is mandatory, so another member follows the comma.
                 replacing(&(inside..inside), format!("\"uri\":\"{link}\",").into_bytes())
             }
         }
     }
 
-    /// The edit that takes the link away, if there is one.
-    pub(super) fn remove_uri(&self, json: &[u8]) -> Option<Edit> {
+    /// The edit that removes the link, if there is one.
+    pub(crate) fn remove_uri(&self, json: &[u8]) -> Option<Edit> {
         let uri = self.uri.clone()?;
         let key_end = json[..uri.start].iter().rposition(|&byte| byte == b'"')?;
         let key_start = json[..key_end].iter().rposition(|&byte| byte == b'"')?;
@@ -97,8 +97,8 @@ impl BufferSpan {
     }
 }
 
-/// The text with all edits made; they don't overlap.
-pub(super) fn edited(json: &[u8], mut edits: Vec<Edit>) -> Vec<u8> {
+/// The text after all edits, which must not overlap.
+pub(crate) fn edited(json: &[u8], mut edits: Vec<Edit>) -> Vec<u8> {
     edits.sort_by_key(|edit| edit.start);
     let mut text = Vec::with_capacity(json.len());
     write_edited(json, 0, edits.into_iter(), &mut text)
@@ -107,7 +107,7 @@ pub(super) fn edited(json: &[u8], mut edits: Vec<Edit>) -> Vec<u8> {
 }
 
 /// The edit that replaces a range.
-pub(super) fn replacing(range: &Range<usize>, text: Vec<u8>) -> Edit {
+pub(crate) fn replacing(range: &Range<usize>, text: Vec<u8>) -> Edit {
     Edit { start: range.start, length: range.len(), text }
 }
 
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn links_come_and_go_and_the_rest_stays() {
+    fn buffer_span_sets_and_removes_a_link_and_keeps_all_else() {
         let cases = [
             (r#"{"buffers": [{"uri": "a.bin", "byteLength": 4}]}"#, r#"{"buffers": [{ "byteLength": 4}]}"#),
             (r#"{"buffers":[ { "byteLength":4 , "uri" : "a" } ] }"#, r#"{"buffers":[ { "byteLength":4  } ] }"#),
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_found_where_they_stand() {
+    fn spans_find_the_byte_ranges_of_bounds() {
         let json = br#"{"accessors":[{"max": [1, 2, 3],"count":1},{},{"min":[0],"max":null}]}"#;
         let spans = Spans::find(json).unwrap();
         let text =

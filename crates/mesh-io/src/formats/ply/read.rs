@@ -1,28 +1,29 @@
 //! Reading PLY.
 
-use super::{
-    super::{
-        ReadErrorKind,
-        mesh_file::Parsed,
+use crate::{
+    error::ReadErrorKind,
+    formats::{
+        mesh_data::MeshData,
         polygon::{NO_UV, Polygons},
         text::{self, Tokens},
     },
-    header::{self, Element, Encoding, Header, Property, Scalar},
 };
+
+use super::header::{self, Element, Encoding, Header, Property, Scalar};
 
 /// A PLY file as it was read.
 #[derive(Clone, Debug)]
 pub(crate) struct PlyDocument {
-    pub(super) source: Vec<u8>,
-    pub(super) encoding: Encoding,
+    pub(crate) source: Vec<u8>,
+    pub(crate) encoding: Encoding,
     /// Types of the three coordinates.
-    pub(super) types: [Scalar; 3],
-    /// For each vertex, where its coordinates start.
-    pub(super) coordinate_offsets: Vec<[usize; 3]>,
+    pub(crate) types: [Scalar; 3],
+    /// Byte offsets of the coordinates of each vertex.
+    pub(crate) coordinate_offsets: Vec<[usize; 3]>,
 }
 
 impl PlyDocument {
-    /// The line in which a vertex stands, from 1, if the file is text.
+    /// The line of a vertex, counted from 1, if the file is text.
     pub(crate) fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
         let offset = self.coordinate_offsets.get(vertex)?[0];
         (self.encoding == Encoding::Ascii).then(|| text::line_of(&self.source, offset))
@@ -32,17 +33,17 @@ impl PlyDocument {
 type Located<T> = Result<T, (Option<usize>, ReadErrorKind)>;
 
 /// Parses a whole file. An error comes with its line, if the file is text.
-pub(crate) fn parse(source: Vec<u8>) -> Located<(Parsed, PlyDocument)> {
+pub(crate) fn parse(source: Vec<u8>) -> Located<(MeshData, PlyDocument)> {
     let header = header::parse(&source)?;
     let mut body = Body { source: &source, start: header.body, at: header.body, encoding: header.encoding };
     let mut reader = Reader { types: [Scalar::F64; 3], ..Reader::default() };
     reader.elements(&header, &mut body).map_err(|kind| (body.line(), kind))?;
-    let parsed = reader.finish();
+    let data = reader.finish();
     let (types, coordinate_offsets) = (reader.types, reader.coordinate_offsets);
-    Ok((parsed, PlyDocument { encoding: header.encoding, types, coordinate_offsets, source }))
+    Ok((data, PlyDocument { encoding: header.encoding, types, coordinate_offsets, source }))
 }
 
-/// A position in the values after the header.
+/// A cursor in the values after the header.
 struct Body<'a> {
     source: &'a [u8],
     start: usize,
@@ -51,13 +52,13 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// The current line of a text file, once there is one: a header that does not fit has no line at fault.
+    /// The current line of a text file. Before the first value there is none: the header is at fault, not a line.
     fn line(&self) -> Option<usize> {
         let has_read = self.at > self.start;
         (has_read && self.encoding == Encoding::Ascii).then(|| text::line_of(self.source, self.at.saturating_sub(1)))
     }
 
-    /// The next number and where it starts. All types fit a double exactly.
+    /// The next number and its byte offset. A double holds all types exactly.
     fn value(&mut self, scalar: Scalar, element: &dyn Fn() -> String) -> Result<(f64, usize), ReadErrorKind> {
         let truncated = || ReadErrorKind::Truncated { element: element() };
         if self.encoding == Encoding::Ascii {
@@ -74,7 +75,7 @@ impl Body<'_> {
         Ok((decode(bytes, scalar, self.encoding), start))
     }
 
-    /// The length of a list, which the rest of the file can hold.
+    /// The length of a list, checked against the rest of the file before any memory is taken.
     fn list_length(
         &mut self,
         count: Scalar,
@@ -82,7 +83,7 @@ impl Body<'_> {
         element: &dyn Fn() -> String,
     ) -> Result<usize, ReadErrorKind> {
         let (value, _) = self.value(count, element)?;
-        // Two bytes for each entry of a text file, but the last.
+        // An entry of a text file has two bytes or more, the last one or more.
         let size = if self.encoding == Encoding::Ascii { 2 } else { item.size() };
         match whole_number(value) {
             Some(length) if length as usize <= (self.source.len() - self.at + 1) / size => Ok(length as usize),
@@ -92,7 +93,7 @@ impl Body<'_> {
     }
 }
 
-/// A number of a binary file; `bytes` has its size.
+/// Decodes a number of a binary file; `bytes` has its size.
 fn decode(bytes: &[u8], scalar: Scalar, encoding: Encoding) -> f64 {
     let mut raw = [0u8; 8];
     // The significant bytes first, in little-endian order.
@@ -112,7 +113,7 @@ fn decode(bytes: &[u8], scalar: Scalar, encoding: Encoding) -> f64 {
     }
 }
 
-/// A double as an index, if it is one.
+/// Converts a double to an index, if it is a whole number in range.
 fn whole_number(value: f64) -> Option<u32> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked by the way back")]
     let whole = value as u32;
@@ -238,14 +239,14 @@ impl Reader {
         Ok(())
     }
 
-    /// Chooses the texture coordinates.
-    fn finish(&mut self) -> Parsed {
+    /// Hands over the mesh, with the texture coordinates of the faces or else those of the vertices.
+    fn finish(&mut self) -> MeshData {
         let mut uv_coordinates = std::mem::take(&mut self.face_uvs);
         if uv_coordinates.is_empty() && !self.vertex_uvs.is_empty() {
             self.polygons.use_vertices_as_uvs();
             uv_coordinates = std::mem::take(&mut self.vertex_uvs);
         }
-        Parsed {
+        MeshData {
             positions: std::mem::take(&mut self.positions),
             uv_coordinates,
             polygons: std::mem::take(&mut self.polygons),

@@ -1,12 +1,12 @@
-//! Tokens, numbers and replacement of coordinates in text formats.
+//! Text formats: tokens, numbers, and replacing tokens without touching any other byte.
 
 use std::io::{self, Write};
 
-use super::ReadErrorKind;
+use crate::error::ReadErrorKind;
 
-/// Tokens of one logical line: separated by white space, ended by a comment; a line that ends in `\` goes on in the next.
+/// Tokens of one logical line, separated by white space and ended by a comment; a line that ends in `\` continues in the next.
 #[derive(Clone, Debug)]
-pub(super) struct Tokens<'a> {
+pub(crate) struct Tokens<'a> {
     source: &'a [u8],
     at: usize,
     end: usize,
@@ -14,12 +14,12 @@ pub(super) struct Tokens<'a> {
 
 impl<'a> Tokens<'a> {
     /// The tokens of `source[start..end]`.
-    pub(super) fn new(source: &'a [u8], start: usize, end: usize) -> Self {
+    pub(crate) fn new(source: &'a [u8], start: usize, end: usize) -> Self {
         Self { source, at: start, end }
     }
 
-    /// Where the next token is looked for.
-    pub(super) fn offset(&self) -> usize {
+    /// Byte offset at which the search for the next token starts.
+    pub(crate) fn offset(&self) -> usize {
         self.at
     }
 }
@@ -44,8 +44,8 @@ impl<'a> Iterator for Tokens<'a> {
     }
 }
 
-/// White space between tokens.
-pub(super) fn is_space(byte: u8) -> bool {
+/// Whether a byte is white space between tokens.
+pub(crate) fn is_space(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == 0x0b
 }
 
@@ -56,7 +56,7 @@ fn continues(source: &[u8], at: usize) -> bool {
 
 /// The logical lines of a text: each with the number of its first line, from 1, and its range of bytes.
 #[derive(Debug)]
-pub(super) struct LogicalLines<'a> {
+pub(crate) struct LogicalLines<'a> {
     source: &'a [u8],
     at: usize,
     line: usize,
@@ -64,7 +64,7 @@ pub(super) struct LogicalLines<'a> {
 
 impl<'a> LogicalLines<'a> {
     /// The lines of a whole text.
-    pub(super) fn new(source: &'a [u8]) -> Self {
+    pub(crate) fn new(source: &'a [u8]) -> Self {
         Self { source, at: 0, line: 1 }
     }
 }
@@ -83,7 +83,7 @@ impl<'a> Iterator for LogicalLines<'a> {
             let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
             let text = rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]);
             let is_last = self.at + length >= self.source.len();
-            // A comment that ends in a backslash is likely to be a path: the next line is not part of it.
+            // A comment does not continue: one that ends in a backslash most likely ends in the path of a folder.
             let goes_on = !is_comment && !is_last && text.ends_with(b"\\");
             self.at += length + 1;
             self.line += 1;
@@ -95,32 +95,32 @@ impl<'a> Iterator for LogicalLines<'a> {
     }
 }
 
-/// A finite number.
-pub(super) fn finite_number(token: &[u8], element: impl Fn() -> String) -> Result<f64, ReadErrorKind> {
+/// Parses a finite number; `element` names its owner in the error.
+pub(crate) fn finite_number(token: &[u8], element: impl Fn() -> String) -> Result<f64, ReadErrorKind> {
     let Some(value) = number(token) else {
         return Err(ReadErrorKind::NotANumber { element: element(), text: shortened(token) });
     };
     if value.is_finite() { Ok(value) } else { Err(ReadErrorKind::NotFinite { element: element(), value }) }
 }
 
-/// The double nearest to a decimal number.
-pub(super) fn number(token: &[u8]) -> Option<f64> {
+/// Parses the double nearest to a decimal number.
+pub(crate) fn number(token: &[u8]) -> Option<f64> {
     std::str::from_utf8(token).ok()?.parse().ok()
 }
 
 /// At most 32 characters of a token, for a message on one line.
-pub(super) fn shortened(token: &[u8]) -> String {
+pub(crate) fn shortened(token: &[u8]) -> String {
     let text: String = String::from_utf8_lossy(token).chars().filter(|c| !c.is_control()).take(33).collect();
     if text.chars().count() > 32 { format!("{}...", text.chars().take(32).collect::<String>()) } else { text }
 }
 
-/// The line, from 1, in which a byte stands.
-pub(super) fn line_of(source: &[u8], offset: usize) -> usize {
+/// The line of a byte, counted from 1.
+pub(crate) fn line_of(source: &[u8], offset: usize) -> usize {
     1 + source[..offset.min(source.len())].iter().filter(|&&byte| byte == b'\n').count()
 }
 
 /// Writes a number so that reading it gives the same double.
-pub(super) fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {
         write!(out, "{value:e}")
@@ -129,10 +129,10 @@ pub(super) fn write_number(value: f64, out: &mut dyn Write) -> io::Result<()> {
     }
 }
 
-/// Writes `source` with other coordinates: tokens of coordinates that changed are replaced, every other byte stays.
+/// Writes `source` with other coordinates: the tokens of coordinates that changed are replaced, every other byte stays.
 ///
-/// `tokens` holds for each vertex, in the order of the text, where its three coordinates start.
-pub(super) fn write_replaced(
+/// `tokens` holds the byte offsets of the three coordinates of each vertex, in the order of the text.
+pub(crate) fn write_replaced(
     source: &[u8],
     tokens: &[[usize; 3]],
     before: &[[f64; 3]],
@@ -142,19 +142,19 @@ pub(super) fn write_replaced(
     write_edited(source, 0, coordinate_edits(source, tokens, before, after), out)
 }
 
-/// A token of a text and what is to stand in its place.
+/// A token of a text and its replacement.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Edit {
-    /// Where the token starts.
-    pub(super) start: usize,
+pub(crate) struct Edit {
+    /// Byte offset of the token.
+    pub(crate) start: usize,
     /// Its length in bytes.
-    pub(super) length: usize,
-    /// What replaces it.
-    pub(super) text: Vec<u8>,
+    pub(crate) length: usize,
+    /// The replacement.
+    pub(crate) text: Vec<u8>,
 }
 
 /// The edits that [`write_replaced`] makes, in the order of the text.
-pub(super) fn coordinate_edits<'a>(
+pub(crate) fn coordinate_edits<'a>(
     source: &'a [u8],
     tokens: &'a [[usize; 3]],
     before: &'a [[f64; 3]],
@@ -174,8 +174,8 @@ pub(super) fn coordinate_edits<'a>(
     })
 }
 
-/// Writes `source` from a byte on with edits, which are in the order of the text.
-pub(super) fn write_edited(
+/// Writes `source` from the byte `from` on with edits, sorted by their start.
+pub(crate) fn write_edited(
     source: &[u8],
     from: usize,
     edits: impl Iterator<Item = Edit>,
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_continue_and_comments_end_them() {
+    fn logical_lines_join_continued_lines_and_stop_at_comments() {
         let source = b"f 1\\\n 2 \\\r\n3\r\n# C:\\\nv 1 # x\nend\\";
         let expected: Vec<(usize, Vec<&[u8]>)> =
             vec![(1, vec![b"f", b"1", b"2", b"3"]), (4, vec![]), (5, vec![b"v", b"1"]), (6, vec![b"end"])];
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_come_back_as_they_were() {
+    fn write_number_of_any_double_reads_back_to_the_same_bits() {
         for value in [0.1, -0.0, 1e300, 5e-324, 123_456_789.123_456_79, f64::MAX, 1e16, -1e-5] {
             let mut text = Vec::new();
             write_number(value, &mut text).unwrap();

@@ -1,4 +1,7 @@
-//! Which files can become which, and writing them.
+//! Writing one or several files as one file, in any format that can hold them.
+
+mod obj;
+mod ply;
 
 use std::{
     io::Write,
@@ -6,15 +9,18 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{FileFormat, MeshFile, WriteError, write_obj, write_ply};
+use crate::{error::WriteError, file_format::FileFormat, mesh_file::MeshFile};
 
-/// Files that are to be written as one, under a name that says in which format.
+pub use obj::write_obj;
+pub use ply::write_ply;
+
+/// One or several files that are to be written as one, in the format that its name chooses.
 ///
 /// | from | to | what is kept |
 /// |---|---|---|
 /// | one file | its own format | every byte but those of coordinates that changed, and of bounds in glTF |
 /// | `.gltf`, `.glb` | each other | the text but for links of buffers |
-/// | OBJ files | one OBJ | every line; numbers in `f`, `l`, `p` are moved on |
+/// | OBJ files | one OBJ | every line; indices in `f`, `l`, `p` are shifted |
 /// | anything else | OBJ, PLY | vertices, polygons, texture coordinates |
 #[derive(Clone, Debug)]
 pub struct Output<'a> {
@@ -24,12 +30,12 @@ pub struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// Files in their order, at least one, as the file `path`. Nothing is written yet.
+    /// Plans to write `files`, one or more, in their order to `path`. Nothing is written yet.
     ///
     /// # Errors
     /// [`WriteError::UnknownFormat`], [`WriteError::OnlyFromGltf`].
     pub fn new(files: &'a [MeshFile], path: &Path) -> Result<Self, WriteError> {
-        // One file may have a name that does not tell what it is, and keep it.
+        // The name of one input need not tell its format, and is kept as it is.
         let own = files.first().filter(|file| files.len() == 1 && file.path().file_name() == path.file_name());
         let format =
             own.map(MeshFile::format).or_else(|| FileFormat::of_name(path)).ok_or(WriteError::UnknownFormat)?;
@@ -46,24 +52,24 @@ impl<'a> Output<'a> {
         self.files
     }
 
-    /// The file, if only its coordinates are replaced.
+    /// The one file whose coordinates are replaced, where nothing else needs to change.
     fn patched(&self) -> Option<&'a MeshFile> {
         self.files.first().filter(|file| self.files.len() == 1 && file.format() == self.format)
     }
 
-    /// Whether only positions of single precision can be written.
+    /// Whether the file can only hold positions of single precision.
     #[must_use]
     pub fn is_single_precision(&self) -> bool {
         self.patched().is_some_and(MeshFile::is_single_precision)
     }
 
-    /// Vertices, counted over all files, that can't be written with other positions, in ranges, each with the reason.
+    /// Ranges of vertices, counted over all files, whose positions can't change, each with the reason.
     #[must_use]
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &'a str)> {
         self.patched().map(MeshFile::fixed_vertices).unwrap_or_default()
     }
 
-    /// Writes the files with other positions in metres, those of all files one after the other.
+    /// Writes the files with other positions in metres, `num_vertices x 3`, those of all files one after the other.
     ///
     /// # Errors
     /// [`WriteError`].

@@ -1,50 +1,52 @@
-//! An OBJ file as a piece of a larger one: its lines stay, but for the numbers by which they name each other.
+//! An OBJ file as one piece of a larger file: its lines stay, but for the indices by which they refer to each other.
 
-use std::io::Write;
-
-use super::{
-    super::{
-        MeshFile, WriteError,
-        text::{self, Edit, LogicalLines, Tokens},
-    },
-    read::{ObjDocument, mark_length},
+use std::{
+    io::{self, Write},
+    path::Path,
 };
 
-/// What has been written before a piece.
+use crate::{
+    error::WriteError,
+    formats::text::{self, Edit, LogicalLines, Tokens},
+};
+
+use super::read::{ObjDocument, mark_length};
+
+/// The state of the larger file before a piece.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Before {
+pub(crate) struct Before {
     /// Number of `v`, `vt` and `vn`.
-    pub(super) counts: [usize; 3],
-    /// Which of [`STATES`] is set.
+    pub(crate) counts: [usize; 3],
+    /// Which of [`STATES`] are set.
     is_set: [bool; STATES.len()],
-    /// What ends the last line.
-    pub(super) separator: &'static str,
+    /// Ends the last line, where the piece has not.
+    pub(crate) separator: &'static str,
     /// Whether anything has been written.
-    pub(super) has_pieces: bool,
+    pub(crate) has_pieces: bool,
 }
 
-/// Words that hold for all elements after them, and the line that takes each back. For materials OBJ has none: a name that no library
-/// defines is what readers take for "without".
+/// Keywords that apply to all elements after them, and the line that resets each. OBJ has no reset for materials; readers take a name
+/// that no library defines for no material.
 const STATES: [(&[u8], &str); 3] = [(b"g", "g default"), (b"s", "s off"), (b"usemtl", "usemtl none")];
 
-/// Words of free-form geometry, whose numbers are not understood here.
+/// Keywords of free-form geometry, whose indices are not understood here.
 const FREE_FORM: [&[u8]; 12] =
     [b"curv", b"curv2", b"surf", b"trim", b"hole", b"scrv", b"sp", b"con", b"bsp", b"bzp", b"cdc", b"cdp"];
 
 impl Before {
-    /// Lines that take back what is set.
-    pub(super) fn resets(&mut self) -> impl Iterator<Item = &'static str> {
+    /// The lines that reset all states that are set.
+    pub(crate) fn resets(&mut self) -> impl Iterator<Item = &'static str> {
         let was_set = std::mem::take(&mut self.is_set);
         STATES.iter().zip(was_set).filter(|(_, was_set)| *was_set).map(|((_, reset), _)| *reset)
     }
 }
 
-/// What a piece holds, found in one pass.
+/// What one pass over the lines of a piece finds.
 #[derive(Debug, Default)]
 struct Survey {
     edits: Vec<Edit>,
     counts: [usize; 3],
-    /// Which of [`STATES`] are set anywhere.
+    /// Which of [`STATES`] are set anywhere in the piece.
     is_set: [bool; STATES.len()],
     /// Which of [`STATES`] are set before the first element, if there is one.
     is_set_first: Option<[bool; STATES.len()]>,
@@ -53,41 +55,32 @@ struct Survey {
 }
 
 impl ObjDocument {
-    /// Writes the file after others, with other positions. It begins as an object of its own and without what the others have set.
-    pub(super) fn write_after(
+    /// Writes the file after others, with other positions. The piece is an object of its own, called `name` unless it names itself, and
+    /// the states that earlier pieces have set are reset.
+    pub(crate) fn write_after(
         &self,
         before: &mut Before,
         name: &str,
-        mesh: &MeshFile,
-        positions: &[[f64; 3]],
+        path: &Path,
+        [own, positions]: [&[[f64; 3]]; 2],
         out: &mut dyn Write,
     ) -> Result<(), WriteError> {
         let survey = self.survey(before).map_err(|(line, word)| WriteError::Join {
-            path: mesh.path().to_path_buf(),
+            path: path.to_path_buf(),
             line,
             keyword: text::shortened(word),
         })?;
-        let first_line = self.source.split_inclusive(|&byte| byte == b'\n').next().unwrap_or_default();
-        let end = if first_line.ends_with(b"\r\n") { "\r\n" } else { "\n" };
         let mut start = 0;
         if before.has_pieces {
             start = mark_length(&self.source);
-            if !survey.has_name {
-                write!(out, "o {name}{end}")?;
-            }
-            let is_set_first = survey.is_set_first.unwrap_or([true; STATES.len()]);
-            for (state, (_, reset)) in STATES.iter().enumerate() {
-                if before.is_set[state] && !is_set_first[state] {
-                    write!(out, "{reset}{end}")?;
-                }
-            }
+            self.write_opening(before, &survey, name, out)?;
         }
-        let moves = text::coordinate_edits(&self.source, &self.coordinate_offsets, mesh.positions(), positions);
+        let moves = text::coordinate_edits(&self.source, &self.coordinate_offsets, own, positions);
         let mut edits: Vec<Edit> = moves.chain(survey.edits).collect();
         edits.sort_by_key(|edit| edit.start);
         text::write_edited(&self.source, start, edits.into_iter(), out)?;
         let is_ended = self.source.ends_with(b"\n");
-        // A backslash at the end would take the next line into this one.
+        // A backslash at the end would continue the last line with the first of the next piece.
         let goes_on = self.source.trim_ascii_end().ends_with(b"\\");
         before.separator = match (is_ended, goes_on) {
             (true, false) => "",
@@ -104,7 +97,23 @@ impl ObjDocument {
         Ok(())
     }
 
-    /// Looks at every line. An error is a line that can't be joined, and its first word.
+    /// Writes the lines that separate the piece from earlier ones.
+    fn write_opening(&self, before: &Before, survey: &Survey, name: &str, out: &mut dyn Write) -> io::Result<()> {
+        let first_line = self.source.split_inclusive(|&byte| byte == b'\n').next().unwrap_or_default();
+        let end = if first_line.ends_with(b"\r\n") { "\r\n" } else { "\n" };
+        if !survey.has_name {
+            write!(out, "o {name}{end}")?;
+        }
+        let is_set_first = survey.is_set_first.unwrap_or([true; STATES.len()]);
+        for (state, (_, reset)) in STATES.iter().enumerate() {
+            if before.is_set[state] && !is_set_first[state] {
+                write!(out, "{reset}{end}")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Surveys all lines. The error is the line, and its keyword, that can't be joined.
     fn survey(&self, before: &Before) -> Result<Survey, (usize, &[u8])> {
         let mut survey = Survey::default();
         let skipped = mark_length(&self.source);
@@ -131,7 +140,7 @@ impl ObjDocument {
     }
 }
 
-/// Moves the positive numbers of an element's corners on by what was written before. Negative ones count back and stay.
+/// Shifts the positive indices of an element's corners by the counts of earlier pieces. Negative indices count back and stay.
 fn shift(tokens: Tokens<'_>, skipped: usize, counts: [usize; 3], edits: &mut Vec<Edit>) {
     for (offset, token) in tokens {
         let mut start = skipped + offset;

@@ -1,4 +1,8 @@
-use super::*;
+//! glTF documents as text: read, refused, and written back.
+
+use std::path::Path;
+
+use super::{container::Chunks, parse};
 use crate::{MeshFile, Output, read_mesh};
 
 /// Two primitives over one list of four points, under a node that moves by (10, 0, 0) and whose parent scales by 2.
@@ -51,7 +55,7 @@ fn buffer(indices: [u16; 3]) -> Vec<u8> {
 }
 
 #[test]
-fn nodes_are_applied_and_shared_points_stay_shared() {
+fn parse_applies_nodes_and_shares_the_vertices_of_an_accessor() {
     let (parsed, _) = parse(glb(&document(12, INDICES, 54), &buffer([0, 1, 2])), None).unwrap();
     assert_eq!(parsed.positions, [[20., 0., 0.], [22., 0., 0.], [20., 2., 0.], [22., 2., 0.]]);
     let faces: Vec<&[u32]> = (0..parsed.polygons.len()).map(|face| parsed.polygons.corners(face)).collect();
@@ -59,7 +63,7 @@ fn nodes_are_applied_and_shared_points_stay_shared() {
 }
 
 #[test]
-fn lies_about_buffers_are_errors() {
+fn parse_of_false_lengths_and_indices_is_an_error() {
     let error = |json: &str, bytes: &[u8]| parse(glb(json, bytes), None).unwrap_err().to_string();
     let bytes = buffer([0, 1, 2]);
     assert_eq!(error(&document(16, INDICES, 54), &bytes), "accessor 0 reaches beyond its buffer");
@@ -93,10 +97,10 @@ fn write(file: &MeshFile, path: &Path, positions: &[[f64; 3]]) -> Vec<u8> {
 }
 
 #[test]
-fn glb_changes_in_positions_and_bounds_alone() {
+fn output_of_moved_glb_changes_positions_and_bounds_only() {
     let folder = tempfile::tempdir().unwrap();
     let mut source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
-    // A chunk of an extension, which nobody here knows.
+    // A chunk of an unknown extension.
     source.extend(b"\x04\0\0\0MINEdata");
     let length = u32::try_from(source.len()).unwrap();
     source[8..12].copy_from_slice(&length.to_le_bytes());
@@ -121,13 +125,13 @@ fn glb_changes_in_positions_and_bounds_alone() {
     assert_eq!(new_json, expected);
     let different: Vec<usize> = (0..binary.len()).filter(|&at| binary[at] != new_binary[at]).collect();
     assert!(binary.len() == new_binary.len() && different.iter().all(|at| (36..48).contains(at)), "{different:?}");
-    // Back to where it was, it is what it was, but for the spelling of the bounds.
+    // Moved back, only the spelling of the bounds differs.
     let back = write(&again, &folder.path().join("c.glb"), file.positions());
     assert_eq!(chunk(&back).1, binary);
 }
 
 #[test]
-fn buffers_outside_are_embedded_when_they_change_or_would_be_lost() {
+fn output_embeds_linked_buffers_that_changed_or_would_be_lost() {
     let folder = tempfile::tempdir().unwrap();
     let elsewhere = folder.path().join("elsewhere");
     std::fs::create_dir(&elsewhere).unwrap();
@@ -151,16 +155,16 @@ fn buffers_outside_are_embedded_when_they_change_or_would_be_lost() {
     let again = read(folder.path(), "b.gltf", changed.as_bytes());
     assert_eq!(again.positions(), moved);
     assert_eq!(again.source_files().count(), 1);
-    // What is in the text already changes there.
+    // An embedded buffer changes in the text.
     assert_eq!(write(&again, &path, &moved), changed.as_bytes());
     let twice = write(&again, &path, file.positions());
     assert_eq!(read(folder.path(), "c.gltf", &twice).positions(), file.positions());
-    // The buffer of the input is as it was.
+    // The buffer of the input is unchanged.
     assert_eq!(std::fs::read(folder.path().join("cloth 1.bin")).unwrap(), buffer([0, 1, 2]));
 }
 
 #[test]
-fn either_form_becomes_the_other() {
+fn output_converts_gltf_to_glb_and_back() {
     let folder = tempfile::tempdir().unwrap();
     let source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
     let file = read(folder.path(), "a.glb", &source);
@@ -182,7 +186,7 @@ fn either_form_becomes_the_other() {
 }
 
 #[test]
-fn what_can_not_move_says_why() {
+fn fixed_vertices_name_the_reason() {
     let plain = document(12, INDICES, 54);
     let reasons = |json: &str| -> Vec<String> {
         let (_, document) = parse(glb(json, &buffer([0, 1, 2])), None).unwrap();
@@ -216,7 +220,7 @@ fn what_can_not_move_says_why() {
 }
 
 #[test]
-fn integers_are_normalised_where_the_accessor_says_so() {
+fn parse_normalises_integers_where_the_accessor_says_so() {
     let quantised = |normalised: &str| {
         let json = document(12, INDICES, 54).replace("\"byteStride\": 12", "\"byteStride\": 8").replacen(
             "5126",

@@ -2,16 +2,17 @@
 
 use std::io::{self, Write};
 
-use super::{
-    super::{MeshFile, WriteError, text::write_number},
-    join::Before,
+use crate::{
+    error::WriteError,
+    formats::{obj::Before, text::write_number},
+    mesh_file::MeshFile,
 };
 
 /// Writes meshes one after the other into one OBJ, polygons and texture coordinates kept.
 ///
-/// A mesh that comes from an OBJ keeps its lines, whatever they are; its numbers are moved on. Every mesh but the first is an object of its own
-/// and takes over neither group nor smoothing nor material from those before. `positions` holds the vertices of all meshes in metres, in
-/// order; missing ones are taken from the files.
+/// A mesh that was read from an OBJ keeps its lines; their indices are shifted. Every mesh but the first is an object of its own, without
+/// the group, smoothing and material of earlier ones. `positions` holds the vertices of all meshes in metres, `num_vertices x 3`; for a
+/// file that it does not cover, the positions of the file are written.
 ///
 /// # Errors
 /// [`WriteError::Join`] for free-form curves and surfaces in any file but the first, and what writing to `out` gives.
@@ -25,14 +26,14 @@ pub fn write_obj(meshes: &[MeshFile], positions: &[[f64; 3]], out: &mut dyn Writ
         let given = positions.get(before.counts[0]..before.counts[0] + own.len()).unwrap_or(own);
         out.write_all(before.separator.as_bytes())?;
         match mesh.obj_document() {
-            Some(document) => document.write_after(&mut before, &name, mesh, given, out)?,
+            Some(document) => document.write_after(&mut before, &name, mesh.path(), [own, given], out)?,
             None => write_new(&mut before, &name, mesh, given, out)?,
         }
     }
     Ok(())
 }
 
-/// Writes a mesh that has no lines of its own.
+/// Writes a mesh that was not read from an OBJ.
 fn write_new(
     before: &mut Before,
     name: &str,

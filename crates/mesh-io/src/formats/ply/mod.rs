@@ -2,11 +2,10 @@
 //!
 //! The element `vertex` with the scalars `x`, `y`, `z` and the element `face` with a list `vertex_indices` (or `vertex_index`) make
 //! the mesh. Texture coordinates are a list `texcoord` of a face, or scalars of a vertex (`s t`, `u v`, `texture_u texture_v`).
-//! Other elements and properties are read over and stay in the file when that is written back.
+//! Other elements and properties are skipped, and kept when the file is written back.
 
 mod header;
 mod read;
 mod write;
 
-pub(super) use read::{PlyDocument, parse};
-pub use write::write_ply;
+pub(crate) use read::{PlyDocument, parse};

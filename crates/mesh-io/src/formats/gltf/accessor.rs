@@ -1,14 +1,16 @@
-//! Numbers of a glTF document, with every bound checked: a document may say anything about its buffers.
+//! Accessors: the numbers of a glTF document, with every bound checked, since a document is not trusted about its buffers.
 
 use gltf::{
     Accessor,
     accessor::{DataType, sparse::IndexType},
 };
 
-use super::{super::ReadErrorKind, buffers::Buffers};
+use crate::error::ReadErrorKind;
 
-/// Reads vectors of `N` numbers; integers are normalised where the accessor says so.
-pub(super) fn read<const N: usize>(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<[f64; N]>, ReadErrorKind> {
+use super::buffers::Buffers;
+
+/// Reads `count x N` numbers; integers are normalised where the accessor says so.
+pub(crate) fn read<const N: usize>(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<[f64; N]>, ReadErrorKind> {
     let kind = accessor.data_type();
     let width = N * size_of_type(kind);
     if accessor.dimensions().multiplicity() != N {
@@ -22,7 +24,7 @@ pub(super) fn read<const N: usize>(accessor: &Accessor<'_>, buffers: &Buffers) -
 }
 
 /// Reads indices.
-pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<usize>, ReadErrorKind> {
+pub(crate) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<usize>, ReadErrorKind> {
     let kind = accessor.data_type();
     if accessor.dimensions().multiplicity() != 1 || !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
         return Err(malformed(accessor, "does not hold indices"));
@@ -30,7 +32,7 @@ pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers) -> Result
     collect(accessor, buffers, size_of_type(kind), 0, unsigned)
 }
 
-/// The elements of an accessor: a strided view, or zeros where there is none, with sparse replacements.
+/// Decodes the elements of an accessor: a strided view, or zeros without one, with sparse replacements.
 fn collect<T: Clone>(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
@@ -51,7 +53,7 @@ fn collect<T: Clone>(
                 length.and_then(|length| buffers.slice(&view, accessor.offset(), length)).ok_or_else(outside)?;
             (0..count).map(|at| element(&bytes[at * stride..at * stride + width])).collect()
         }
-        // Zeros cost nothing in the file, so their number proves nothing: a limit in place of the buffer's length.
+        // Zeros take no bytes in the file, so no buffer limits their number.
         None if count <= 1 << 24 => vec![zero; count],
         None => return Err(malformed(accessor, "has too many elements without a buffer")),
     };

@@ -2,35 +2,37 @@
 
 use std::io::{self, Write};
 
-use super::super::{
-    ReadErrorKind,
-    mesh_file::Parsed,
-    polygon::{NO_UV, Polygons},
-    text::{self, LogicalLines, Tokens},
+use crate::{
+    error::ReadErrorKind,
+    formats::{
+        mesh_data::MeshData,
+        polygon::{NO_UV, Polygons},
+        text::{self, LogicalLines, Tokens},
+    },
 };
 
 /// An OBJ file as it was read.
 #[derive(Clone, Debug)]
 pub(crate) struct ObjDocument {
-    pub(super) source: Vec<u8>,
-    /// For each vertex, where its coordinates start.
-    pub(super) coordinate_offsets: Vec<[usize; 3]>,
+    pub(crate) source: Vec<u8>,
+    /// Byte offsets of the coordinates of each vertex.
+    pub(crate) coordinate_offsets: Vec<[usize; 3]>,
 }
 
 impl ObjDocument {
-    /// Writes the file with other positions; where nothing moved, every byte is as it was.
+    /// Writes the file with other positions; only the tokens of coordinates that changed are replaced.
     pub(crate) fn write(&self, before: &[[f64; 3]], after: &[[f64; 3]], out: &mut dyn Write) -> io::Result<()> {
         text::write_replaced(&self.source, &self.coordinate_offsets, before, after, out)
     }
 
-    /// The line in which a vertex stands, from 1.
+    /// The line of a vertex, counted from 1.
     pub(crate) fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
         Some(text::line_of(&self.source, self.coordinate_offsets.get(vertex)?[0]))
     }
 }
 
 /// Parses a whole file. An error comes with its line.
-pub(crate) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Option<usize>, ReadErrorKind)> {
+pub(crate) fn parse(source: Vec<u8>) -> Result<(MeshData, ObjDocument), (Option<usize>, ReadErrorKind)> {
     let mut parser = Parser::default();
     let skipped = mark_length(&source);
     let text = &source[skipped..];
@@ -42,11 +44,11 @@ pub(crate) fn parse(source: Vec<u8>) -> Result<(Parsed, ObjDocument), (Option<us
         *offset += skipped;
     }
     let Parser { positions, uv_coordinates, polygons, coordinate_offsets, .. } = parser;
-    Ok((Parsed { positions, uv_coordinates, polygons }, ObjDocument { source, coordinate_offsets }))
+    Ok((MeshData { positions, uv_coordinates, polygons }, ObjDocument { source, coordinate_offsets }))
 }
 
 /// Length of the byte order mark at the start of a text.
-pub(super) fn mark_length(source: &[u8]) -> usize {
+pub(crate) fn mark_length(source: &[u8]) -> usize {
     const MARK: &[u8] = b"\xef\xbb\xbf";
     if source.starts_with(MARK) { MARK.len() } else { 0 }
 }
@@ -120,8 +122,8 @@ impl Parser {
         format!("face {}", polygon + 1)
     }
 
-    /// A 0-based index; a negative one counts back from the newest element. That a positive one exists is checked at the end, since a
-    /// face may stand before its vertices.
+    /// A 0-based index; a negative one counts back from the newest element. [`check_references`](Self::check_references) checks the
+    /// positive ones at the end of the file, since a face may come before its vertices.
     fn index(&self, field: &[u8], token: &[u8], what: &'static str, defined: usize) -> Result<u32, ReadErrorKind> {
         let element = || self.face_name(self.polygons.len());
         let index: i64 = std::str::from_utf8(field)

@@ -1,4 +1,4 @@
-//! The bytes that a glTF document refers to.
+//! The buffers of a glTF document.
 
 use std::{
     fs,
@@ -10,23 +10,23 @@ use gltf::{
     buffer::{Data, Source, View},
 };
 
-use super::super::ReadErrorKind;
+use crate::error::ReadErrorKind;
 
 /// All buffers of a document.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Buffers {
+pub(crate) struct Buffers {
     bytes: Vec<Vec<u8>>,
-    /// Length that the document gives each.
+    /// Length of each as the document says.
     lengths: Vec<usize>,
-    /// Whether a link says where each is.
+    /// Whether each has a link.
     is_linked: Vec<bool>,
-    /// Files that hold one.
+    /// The file of each, if it is a file of its own.
     links: Vec<Option<PathBuf>>,
 }
 
 impl Buffers {
     /// Loads all buffers: the binary chunk, `data:` links, and files in `folder`.
-    pub(super) fn load(
+    pub(crate) fn load(
         document: &Document,
         folder: Option<&Path>,
         mut blob: Option<Vec<u8>>,
@@ -59,35 +59,35 @@ impl Buffers {
         Ok(buffers)
     }
 
-    /// The bytes of each; at least as many as the document says.
-    pub(super) fn all(&self) -> &[Vec<u8>] {
+    /// The bytes of each, at least as many as the document says.
+    pub(crate) fn all(&self) -> &[Vec<u8>] {
         &self.bytes
     }
 
-    /// The files of those that have one of their own.
-    pub(super) fn links(&self) -> &[Option<PathBuf>] {
+    /// The file of each, if it is a file of its own.
+    pub(crate) fn links(&self) -> &[Option<PathBuf>] {
         &self.links
     }
 
-    /// Whether a link says where a buffer is; else it is the binary chunk.
-    pub(super) fn is_linked(&self, buffer: usize) -> bool {
+    /// Whether a buffer has a link; without, it is the binary chunk.
+    pub(crate) fn is_linked(&self, buffer: usize) -> bool {
         self.is_linked[buffer]
     }
 
-    /// The number of bytes that the document says.
-    pub(super) fn length(&self, buffer: usize) -> usize {
+    /// Length of a buffer in bytes, as the document says.
+    pub(crate) fn length(&self, buffer: usize) -> usize {
         self.lengths[buffer]
     }
 
-    /// `length` bytes of a view from `offset` on, if the view and its buffer hold them.
-    pub(super) fn slice(&self, view: &View<'_>, offset: usize, length: usize) -> Option<&[u8]> {
+    /// `length` bytes of a view from `offset` on, if the view and its buffer have them.
+    pub(crate) fn slice(&self, view: &View<'_>, offset: usize, length: usize) -> Option<&[u8]> {
         let start = view.offset();
         let bytes = self.bytes.get(view.buffer().index())?.get(start..start.checked_add(view.length())?)?;
         bytes.get(offset..offset.checked_add(length)?)
     }
 }
 
-/// A relative link as a path; nothing if it is no text.
+/// Decodes a relative link to a path; `None` if it is not UTF-8.
 fn percent_decoded(link: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(link.len());
     let mut rest = link.as_bytes();
