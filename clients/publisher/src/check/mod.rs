@@ -1,8 +1,9 @@
-//! The judge: an exact test of whether a cloth touches or crosses itself. It shares no code with the untangler.
+//! The judge: an exact test of whether a cloth touches or crosses itself. It shares no code with the untangler, on purpose, so that a
+//! fault of the untangler can't hide itself.
 //!
 //! Tested are all pairs of an edge and a triangle without a common vertex, as closed sets: touching counts. Every decision
-//! is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*; nothing is perturbed and
-//! nothing has a tolerance. Candidates come from a sweep along one axis, whose comparisons are exact as well.
+//! is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*. There is no perturbation and no
+//! tolerance. Candidates come from a sweep along one axis, whose comparisons are exact too.
 
 mod primitive;
 #[cfg(test)]
@@ -10,8 +11,7 @@ mod tests;
 
 use thiserror::Error;
 
-/// A position in metres.
-pub type Point = [f64; 3];
+pub use primitive::Point;
 
 /// A cloth that can't be judged.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]

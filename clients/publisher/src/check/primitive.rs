@@ -2,7 +2,8 @@
 
 use robust::{Coord, Coord3D};
 
-use super::Point;
+/// A position in metres.
+pub type Point = [f64; 3];
 
 type Point2 = [f64; 2];
 

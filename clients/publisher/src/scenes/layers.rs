@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::mesh::{Cloth, Vec3};
 
-use super::{Pin, Sheet};
+use super::sheet::{Pin, Sheet};
 
 /// Side of the sheet below, in metres.
 const SIDE_M: f64 = 0.5;
