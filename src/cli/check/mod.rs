@@ -15,12 +15,17 @@ use thiserror::Error;
 
 pub use report::Report;
 
-use untangle::{analysis::{Analyser, Analysis}, stage::{Stage, StageObserver}, settings::Settings};
-use crate::cli::{
-        Outcome,
-        input::{self, Input, InputError, is_same_file},
-    };
+use untangle::{
+    analysis::{Analyser, Analysis},
+    settings::Settings,
+    stage::{Stage, StageObserver},
+};
 use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
+
+use super::{
+    input::{self, Input, InputError, is_same_file},
+    outcome::{self, Outcome},
+};
 use report::StageTimes;
 
 /// Finds all intersections of one mesh, or of several in one world.
@@ -45,7 +50,7 @@ pub struct CheckArgs {
 /// Why a check could not be done.
 #[derive(Debug, Error)]
 pub enum CheckError {
-    /// The files are no world that can be analysed.
+    /// The files can't be analysed.
     #[error(transparent)]
     Input(#[from] InputError),
     /// `--contours` names neither OBJ nor PLY.
@@ -75,14 +80,8 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
     let text = if args.json { report.to_json() } else { report.to_string() };
-    match io::stdout().lock().write_all(text.as_bytes()) {
-        // Who stops reading has read enough.
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CheckError::Write { path: "standard output".into(), source: error })
-        }
-        _ if report.num_face_pairs > 0 => Ok(Outcome::Remaining),
-        _ => Ok(Outcome::Clean),
-    }
+    outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
+    Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
 }
 
 /// Reads and analyses files as one world.

@@ -1,5 +1,7 @@
 //! What `untangled fix` reports: one document, as JSON or as lines for people.
 
+mod distortion;
+
 use std::{
     collections::BTreeMap,
     fmt::{self, Display, Formatter},
@@ -7,38 +9,44 @@ use std::{
 
 use serde::Serialize;
 
-use super::distortion::Distortion;
-use untangle::{analysis::Analysis, paths::PairType, relax::{BlockedPath, Iteration}};
-use crate::cli::input::{Counted, count_path_pairs, name_of};
+use untangle::{
+    analysis::Analysis,
+    paths::PairType,
+    relax::{BlockedPath, Iteration},
+};
+
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
+
+pub use distortion::Distortion;
 
 /// The report of one repair; its fields are the JSON schema `untangled.fix/1`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
-    /// Inputs, as they were named; bytes that are no UTF-8 replaced.
+    /// The inputs as they were named; bytes that are not UTF-8 are replaced.
     pub files: Vec<String>,
-    /// What was written, named in the same way.
+    /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether an exact check of what was written, read back, found no intersection.
+    /// Whether an exact check of the outputs, read back, found no intersection.
     pub clean: bool,
     /// Iterations of the relaxation; 0 if the input was clean.
     pub num_iterations: usize,
     /// Time from the start to the end of the last check, in seconds.
     pub seconds: f64,
-    /// The input.
+    /// Intersections of the inputs.
     pub before: Counts,
-    /// What was written, read back.
+    /// Intersections of the outputs, read back.
     pub after: Counts,
-    /// What the repair cost.
+    /// How much the repair changed the shape.
     pub distortion: Distortion,
-    /// Paths that are left.
+    /// Paths that could not be resolved.
     pub blocked: Vec<Blocked>,
     /// The state after each iteration.
     pub history: Vec<Iteration>,
 }
 
-/// How tangled a state is.
+/// Numbers of intersections of a state.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Edges that pierce faces.
@@ -58,7 +66,7 @@ impl Counts {
         }
     }
 
-    /// No intersections.
+    /// Whether there is no intersection.
     pub(super) fn is_clean(&self) -> bool {
         self.num_face_pairs == 0
     }
@@ -69,9 +77,9 @@ impl Counts {
 pub struct Blocked {
     /// Its type.
     pub pair_type: PairType,
-    /// A vertex beside it, counted over all files.
+    /// A vertex next to it, counted over all files.
     pub vertex: u32,
-    /// Its length in the world, in metres.
+    /// Its length in metres.
     pub length_m: f64,
     /// Why, in words.
     pub reason: String,
@@ -88,10 +96,7 @@ impl Report {
     /// The document on one line.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let mut text =
-            serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"));
-        text.push('\n');
-        text
+        json_line(self)
     }
 }
 

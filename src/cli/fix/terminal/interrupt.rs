@@ -1,4 +1,4 @@
-//! Ctrl-C: the work ends at the next iteration, and nothing is written.
+//! Ctrl-C: the work ends after the current iteration, and nothing is written.
 
 use std::{
     io,
@@ -14,49 +14,49 @@ use signal_hook::{
     flag, low_level,
 };
 
-use super::FixError;
+use crate::cli::fix::error::FixError;
 
-/// Whether the user wants the work to end. The first SIGINT or SIGTERM asks, the second ends the process at once, unless files are
-/// being written.
+/// Listens for SIGINT and SIGTERM. The first signal asks the work to end; the second ends the process at once, unless files are being
+/// written.
 #[derive(Debug, Default)]
-pub(super) struct Interrupt {
+pub(in crate::cli::fix) struct Interrupt {
     asked: Arc<AtomicBool>,
     handlers: Vec<SigId>,
-    /// Handlers that end the process.
-    hard: Vec<SigId>,
+    /// Handlers that end the process at once.
+    hard_handlers: Vec<SigId>,
 }
 
 impl Interrupt {
-    /// Listens from now on.
-    pub(super) fn listen() -> io::Result<Self> {
+    /// Starts listening.
+    pub(in crate::cli::fix) fn listen() -> io::Result<Self> {
         let mut interrupt = Self::default();
         for signal in [SIGINT, SIGTERM] {
-            // Handlers run in this order: the first signal finds the flag unset.
-            interrupt.hard.push(flag::register_conditional_shutdown(signal, 2, Arc::clone(&interrupt.asked))?);
+            // Handlers run in the order of registration, so that the first signal finds the flag unset.
+            interrupt.hard_handlers.push(flag::register_conditional_shutdown(signal, 2, Arc::clone(&interrupt.asked))?);
             interrupt.handlers.push(flag::register(signal, Arc::clone(&interrupt.asked))?);
         }
         Ok(interrupt)
     }
 
     /// Whether the work should end.
-    pub(super) fn is_asked(&self) -> bool {
+    pub(in crate::cli::fix) fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// What a signal sets.
+    /// The flag that a signal sets.
     #[cfg(test)]
-    pub(super) fn hand(&self) -> Arc<AtomicBool> {
+    pub(in crate::cli::fix) fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.asked)
     }
 
     /// An error if the work should end.
-    pub(super) fn check(&self) -> Result<(), FixError> {
+    pub(in crate::cli::fix) fn check(&self) -> Result<(), FixError> {
         if self.is_asked() { Err(FixError::Interrupted) } else { Ok(()) }
     }
 
-    /// From now on files are being written: a second signal no longer ends the process, so that it can clear away what is half-written.
-    pub(super) fn wait_for_files(&mut self) {
-        for handler in self.hard.drain(..) {
+    /// Says that files are being written from now on: a second signal no longer ends the process, so that it can remove unfinished files.
+    pub(in crate::cli::fix) fn wait_for_files(&mut self) {
+        for handler in self.hard_handlers.drain(..) {
             low_level::unregister(handler);
         }
     }
@@ -64,7 +64,7 @@ impl Interrupt {
 
 impl Drop for Interrupt {
     fn drop(&mut self) {
-        for handler in self.handlers.drain(..).chain(self.hard.drain(..)) {
+        for handler in self.handlers.drain(..).chain(self.hard_handlers.drain(..)) {
             low_level::unregister(handler);
         }
     }

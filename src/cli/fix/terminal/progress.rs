@@ -1,22 +1,23 @@
-//! What a terminal shows while the relaxation runs.
+//! The progress line of a relaxation.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::input::name_of;
 use untangle::relax::Iteration;
 
-/// One line on standard error, if that is a terminal, which goes away in the end.
+use crate::cli::wording::name_of;
+
+/// One line on standard error, if that is a terminal; it is cleared at the end.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub(in crate::cli::fix) struct Progress {
     bar: ProgressBar,
     num_iterations: usize,
 }
 
 impl Progress {
-    pub(super) fn new() -> Self {
-        // Hidden where standard error is no terminal.
+    pub(in crate::cli::fix) fn new() -> Self {
+        // indicatif hides the line where standard error is not a terminal.
         let bar = ProgressBar::new_spinner();
         if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
             bar.set_style(style);
@@ -25,13 +26,13 @@ impl Progress {
         Self { bar, num_iterations: 0 }
     }
 
-    /// Says what is done now.
-    pub(super) fn say(&self, what: &'static str) {
+    /// Shows the current stage.
+    pub(in crate::cli::fix) fn say(&self, what: &'static str) {
         self.bar.set_message(what);
     }
 
-    /// Says how far the relaxation has come.
-    pub(super) fn iteration(&mut self, iteration: &Iteration) {
+    /// Shows the state after an iteration.
+    pub(in crate::cli::fix) fn iteration(&mut self, iteration: &Iteration) {
         self.num_iterations += 1;
         let Iteration { num_edge_face_intersections, path_length_m, method } = iteration;
         self.bar.set_message(format!(
