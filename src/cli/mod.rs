@@ -25,7 +25,8 @@ use clap::{Parser, Subcommand};
 
 pub use outcome::{CliError, Outcome};
 
-/// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or on files.
+/// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or
+/// on files.
 ///
 /// Exit codes: 0 done and clean, 1 done but intersections remain, 2 bad usage, bad input or another error.
 #[derive(Debug, Parser)]

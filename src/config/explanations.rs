@@ -1,7 +1,10 @@
 //! What each key means, as `untangled config` prints it.
 
 /// Explains `settings.deadline_us`.
-pub(super) const DEADLINE: &str = "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. Without it there is no limit.";
+pub(super) const DEADLINE: &str = concat!(
+    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. ",
+    "Without it there is no limit."
+);
 
 /// Explains `settings.thickness_m`.
 pub(super) const THICKNESS: &str = "Thickness of the cloth in metres. Without it the mean edge length stands in.";
@@ -25,11 +28,13 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("[settings]", "Settings of sessions, where a session does not choose its own by the same names."),
     (
         "settings.response",
-        "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to the targets) or `mask` (flags only).",
+        "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to \
+         the targets) or `mask` (flags only).",
     ),
     (
         "settings.inside",
-        "Which side of a path is inside: the one with fewer vertices, `count`, with less `area`, or the one that takes less `work` to bring back.",
+        "Which side of a path is inside: the one with fewer vertices, `count`, with less `area`, or the one that \
+         takes less `work` to bring back.",
     ),
     (
         "settings.stiffness_per_step2",

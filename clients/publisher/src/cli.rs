@@ -49,7 +49,8 @@ pub struct PublishArgs {
     /// Domain of the daemon.
     #[arg(long, value_name = "NAME")]
     pub domain: Option<String>,
-    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no motion].
+    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no
+    /// motion].
     #[arg(long, value_enum)]
     pub correction: Option<Kind>,
     /// Ignore all corrections.
@@ -94,7 +95,8 @@ pub struct PublishArgs {
 }
 
 impl PublishArgs {
-    /// The kind of correction to ask for. A file is a shape to clean, not a motion; displacements add no velocity to it.
+    /// The kind of correction to ask for. A file is a shape to clean, not a motion; displacements add no velocity to
+    /// it.
     fn correction_kind(&self) -> CorrectionKind {
         let usual = if self.file.is_some() { Kind::Displacement } else { Kind::Force };
         self.correction.unwrap_or(usual).into()

@@ -2,13 +2,17 @@
 //!
 //! One step of a host:
 //!
-//! 1. write the positions of this instant into the sample that the session lends ([`Session::exchange`] does it in place);
-//! 2. wait for the correction of exactly this frame, but no longer than a deadline, after which the simulation continues without;
+//! 1. write the positions of this instant into the sample that the session lends ([`Session::exchange`] does it in
+//!    place);
+//! 2. wait for the correction of exactly this frame, but no longer than a deadline, after which the simulation
+//!    continues without;
 //! 3. take from each vertex the value, in the unit that was asked for at registration, and the flags;
-//! 4. add the values to the next step, and in that step **switch self-collision off** where a flag of [`flags::MASK`] is set.
+//! 4. add the values to the next step, and in that step **switch self-collision off** where a flag of [`flags::MASK`]
+//!    is set.
 //!
-//! The fourth point is essential. Self-collision keeps each vertex on the side where it is, so where it is on, a force only presses the
-//! cloth against itself; see `--force-only`. Without the force nothing moves the cloth back; see `--mask-only`.
+//! The fourth point is essential. Self-collision keeps each vertex on the side where it is, so where it is on, a force
+//! only presses the cloth against itself; see `--force-only`. Without the force nothing moves the cloth back; see
+//! `--mask-only`.
 
 use std::{
     io,
@@ -166,7 +170,8 @@ impl Host {
         let round_trip = begin.elapsed();
         let correction = match answer {
             Ok(correction) => Some(correction),
-            // The simulation continues while the daemon is slow, gone or restarting, since the session reconnects without help.
+            // The simulation continues while the daemon is slow, gone or restarting, since the session reconnects
+            // without help.
             Err(
                 ExchangeError::Publish(PublishError::Reconnecting)
                 | ExchangeError::Wait(
@@ -195,7 +200,8 @@ impl Host {
         self.simulated_s += self.options.dt_s;
     }
 
-    /// Converts a correction to [`Help`] of the solver and returns the length of its longest value. Without a correction there is no help.
+    /// Converts a correction to [`Help`] of the solver and returns the length of its longest value. Without a
+    /// correction there is no help.
     fn take(&mut self, correction: Option<&Correction>) -> f64 {
         self.velocity_change_m_s.fill(Vec3::zeros());
         self.displacement_m.fill(Vec3::zeros());

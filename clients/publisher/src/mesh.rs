@@ -10,8 +10,8 @@ pub type Vec3 = Vector3<f64>;
 pub struct Cloth {
     /// Where the vertices are, `num_vertices x 3`.
     pub positions: Vec<Vec3>,
-    /// Where they are at rest, without any force, `num_vertices x 3`. Only lengths and angles within a triangle and its neighbours are
-    /// used, so a flat layout will do.
+    /// Where they are at rest, without any force, `num_vertices x 3`. Only lengths and angles within a triangle and its
+    /// neighbours are used, so a flat layout will do.
     pub rest_positions: Vec<Vec3>,
     /// Vertex indices, `num_triangles x 3`.
     pub triangles: Vec<[u32; 3]>,
@@ -63,8 +63,8 @@ impl Cloth {
             .collect()
     }
 
-    /// Mass of each vertex in kilograms: a third of the rest area of its triangles times the density. A vertex of no triangle
-    /// gets the mass of the lightest other one, since a mass can't be zero.
+    /// Mass of each vertex in kilograms: a third of the rest area of its triangles times the density. A vertex of no
+    /// triangle gets the mass of the lightest other one, since a mass can't be zero.
     #[must_use]
     pub fn masses_kg(&self, density_kg_m2: f64) -> Vec<f64> {
         let mut masses = vec![0.0; self.positions.len()];
@@ -111,7 +111,8 @@ impl Cloth {
         self.edges().into_iter().map(ratio).fold(1.0, farther)
     }
 
-    /// Rounds every position to single precision, as the wire carries it, so that the host simulates the state that it publishes.
+    /// Rounds every position to single precision, as the wire carries it, so that the host simulates the state that it
+    /// publishes.
     pub fn round_to_f32(&mut self) {
         for position in &mut self.positions {
             *position = position.map(|value| f64::from(to_f32(value)));

@@ -1,8 +1,8 @@
 //! Wavefront OBJ, as far as a cloth needs it.
 //!
-//! Read are `v`, `vt` and `f` (polygons as fans, negative indices); all else is skipped. Positions are written so that they read back to
-//! the same bits. This reader shares no code with the untangler, on purpose: together with the [exact check](crate::check) it judges
-//! files that the untangler wrote, and a fault in a shared reader would escape both.
+//! Read are `v`, `vt` and `f` (polygons as fans, negative indices); all else is skipped. Positions are written so that
+//! they read back to the same bits. This reader shares no code with the untangler, on purpose: together with the [exact
+//! check](crate::check) it judges files that the untangler wrote, and a fault in a shared reader would escape both.
 
 use std::{
     fs,

@@ -10,7 +10,7 @@ use crate::{
 };
 use untangled_client::CorrectionKind;
 
-/// When a run ends and what it says on the way.
+/// When a run ends, and which lines it prints.
 #[derive(Clone, Copy, Debug)]
 pub struct RunOptions {
     /// Most steps.

@@ -20,8 +20,8 @@ impl Line<'_> {
     }
 }
 
-/// The polylines, pair by pair. Two corresponding paths run through the same points, so only the first is drawn. A path that is its own
-/// partner runs to a loop vertex and back, so only its first half is drawn.
+/// The polylines, pair by pair. Two corresponding paths run through the same points, so only the first is drawn. A path
+/// that is its own partner runs to a loop vertex and back, so only its first half is drawn.
 fn lines(paths: &IntersectionPaths) -> impl Iterator<Item = Line<'_>> {
     paths.pairs.iter().enumerate().flat_map(move |(number, pair)| {
         pair.copies.clone().filter(move |&at| paths.copies[at].partner >= at).map(move |at| {
@@ -39,7 +39,8 @@ fn lines(paths: &IntersectionPaths) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// Writes the paths as an OBJ of one `l` element each, in groups named by the type and the number of the pair: `g CLOSED_0`.
+/// Writes the paths as an OBJ of one `l` element each, in groups named by the type and the number of the pair: `g
+/// CLOSED_0`.
 ///
 /// # Errors
 /// What writing to `out` gives.
@@ -99,8 +100,8 @@ pub fn write_contours_ply(paths: &IntersectionPaths, out: &mut dyn Write) -> io:
     Ok(())
 }
 
-/// Name of the group, without a slash, and colour of a type. The palette follows Okabe and Ito (2008), which the colour-blind can tell
-/// apart.
+/// Name of the group, without a slash, and colour of a type. The palette follows Okabe and Ito (2008), which the
+/// colour-blind can tell apart.
 fn style(pair_type: PairType) -> (&'static str, [u8; 3]) {
     match pair_type {
         PairType::Closed => ("CLOSED", [0, 114, 178]),

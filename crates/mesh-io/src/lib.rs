@@ -1,9 +1,9 @@
 //! Mesh files in and out: OBJ, PLY and glTF; intersection paths as lines.
 //!
-//! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in the file and are split
-//!   into triangles only for the analysis. Positions are kept in double precision.
-//! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with other positions, it
-//!   differs from the file that was read in the coordinates that changed, and in no other byte.
+//! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
+//!   the file and are split into triangles only for the analysis. Positions are kept in double precision.
+//! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
+//!   other positions, it differs from the file that was read in the coordinates that changed, and in no other byte.
 //! - Input is not trusted: a header that lies about its lengths costs an error, not memory.
 //!
 //! ```
@@ -32,7 +32,7 @@
 //! | module | purpose |
 //! |---|---|
 //! | `error` | why a file was not read or not written |
-//! | `formats` | `text` (tokens, numbers, edits), `polygon` and `triangulate`, `mesh_data` (what all formats come down to), and one format each in `obj`, `ply`, `gltf` |
+//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
 //! | `world` | several files in one world |

@@ -65,7 +65,8 @@ impl MeshFile {
             return Err(ReadErrorKind::Empty { num_vertices: positions.len(), num_faces: polygons.len() });
         }
         let (faces, uv_faces) = polygons.triangulate(positions);
-        // Some exporters write one point for all corners of a mesh without texture coordinates. That is no map of the cloth.
+        // Some exporters write one point for all corners of a mesh without texture coordinates. That is no map of the
+        // cloth.
         let uv_faces =
             uv_faces.filter(|faces| faces.iter().any(|face| has_area(face.map(|uv| uv_coordinates[uv as usize]))));
         Ok(Self { path: path.to_path_buf(), data, faces, uv_faces, document })
@@ -115,8 +116,8 @@ impl MeshFile {
         &self.data.polygons
     }
 
-    /// The faces as triangles, `num_faces x 3`, in the order of the polygons. A convex polygon is the fan of its first corner, any other
-    /// is split by clipping ears.
+    /// The faces as triangles, `num_faces x 3`, in the order of the polygons. A convex polygon is the fan of its first
+    /// corner, any other is split by clipping ears.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
@@ -160,19 +161,19 @@ impl MeshFile {
 
     /// Writes the file back with other positions in metres, `num_vertices x 3`.
     ///
-    /// Every byte stays but those of coordinates that changed, and of the bounds of positions in glTF. A file of single precision gets
-    /// the nearest single. Of a glTF document with buffers in files of their own, the buffers that changed become `data:` links; the
-    /// other links stay, so the document must be written into the same folder.
+    /// Every byte stays but those of coordinates that changed, and of the bounds of positions in glTF. A file of single
+    /// precision gets the nearest single. Of a glTF document with buffers in files of their own, the buffers that
+    /// changed become `data:` links; the other links stay, so the document must be written into the same folder.
     ///
     /// # Errors
-    /// [`WriteError`] for a wrong number of positions, for a vertex that moved and is one of [`fixed_vertices`](Self::fixed_vertices),
-    /// and for what writing to `out` gives.
+    /// [`WriteError`] for a wrong number of positions, for a vertex that moved and is one of
+    /// [`fixed_vertices`](Self::fixed_vertices), and for what writing to `out` gives.
     pub fn write_with_positions(&self, positions: &[[f64; 3]], out: &mut dyn Write) -> Result<(), WriteError> {
         self.write_to(positions, Destination { container: self.container(), same_folder: true }, out)
     }
 
-    /// [`write_with_positions`](Self::write_with_positions) for a file at `path`, whose extension chooses the container of glTF and whose
-    /// folder decides whether links of a glTF document still lead to its buffers.
+    /// [`write_with_positions`](Self::write_with_positions) for a file at `path`, whose extension chooses the container
+    /// of glTF and whose folder decides whether links of a glTF document still lead to its buffers.
     pub(crate) fn write_for(&self, positions: &[[f64; 3]], path: &Path, out: &mut dyn Write) -> Result<(), WriteError> {
         let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
         let container = match &self.document {

@@ -9,8 +9,8 @@ use crate::{error::ReadErrorKind, mesh_file::MeshFile};
 /// Several files in one world.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The mesh of all files together. It has texture coordinates if any file has them; all corners of a file without then share one
-    /// point, which stands for none.
+    /// The mesh of all files together. It has texture coordinates if any file has them; all corners of a file without
+    /// then share one point, which stands for none.
     pub description: MeshDescription,
     /// Positions in metres, `num_vertices x 3`.
     pub positions: Vec<[f64; 3]>,

@@ -32,8 +32,8 @@ use processes::{Daemon, Scratch, this_program};
 
 /// Untangle a generated scene, or a file, through a daemon and a simulator as two processes.
 ///
-/// A control follows: the same run with corrections ignored. Pictures and meshes of before and after are written. Exit code 0: the exact check
-/// finds the last state clean; 1: intersections remain.
+/// A control follows: the same run with corrections ignored. Pictures and meshes of before and after are written. Exit
+/// code 0: the exact check finds the last state clean; 1: intersections remain.
 #[derive(Clone, Debug, Args)]
 pub struct DemoArgs {
     /// Wavefront OBJ file to untangle, without gravity and with its own shape at rest, instead of the generated scene.
@@ -75,7 +75,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> Result<Outcome, DemoError> {
     fs::create_dir_all(&args.out).map_err(DemoError::system(format!("creating {}", args.out.display())))?;
     let scratch = Scratch::new()?;
     let daemon = Daemon::start(&scratch)?;
-    say("Untangling: a simulator publishes each step to the daemon, a second process, and applies its corrections.")?;
+    say("Untangling: a simulator sends each step to the daemon, a second process, and applies its corrections.")?;
     let folder = args.out.to_string_lossy().into_owned();
     let summary = run_publisher(args, &scratch, &daemon, &["--out", &folder])?;
     say(&words::untangled(&summary))?;

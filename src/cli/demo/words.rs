@@ -41,9 +41,9 @@ pub(super) fn shown(mesh: &Mesh, summary: &Summary, control: Option<&Summary>, f
         }
     };
     wrapped(&format!(
-        "Shown: corrections from the daemon {result} a cloth of {} vertices and {} triangles in {frames}{control}; look at \
-         before.png and after.png in {}, where intersection paths have the colour of their type, or open before.obj and \
-         after.obj in a 3D viewer.",
+        "Shown: corrections from the daemon {result} a cloth of {} vertices and {} triangles in {frames}{control}; \
+         look at before.png and after.png in {}, where intersection paths have the colour of their type, or open \
+         before.obj and after.obj in a 3D viewer.",
         mesh.num_vertices(),
         mesh.num_faces(),
         folder.display(),

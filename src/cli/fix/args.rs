@@ -8,22 +8,25 @@ use untangle::relax::{Quality, RelaxSettings};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
-/// Vertex k of the output is vertex k of the input; polygons, materials, groups, normals and comments stay. A clean input is written
-/// unchanged. What is written is read back and checked exactly before it takes its place; inputs are never overwritten. Ctrl-C ends the
-/// work and writes nothing.
+/// Vertex k of the output is vertex k of the input; polygons, materials, groups, normals and comments stay. A clean
+/// input is written unchanged. What is written is read back and checked exactly before it takes its place; inputs are
+/// never overwritten. Ctrl-C ends the work and writes nothing.
 ///
-/// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY and glTF or GLB from glTF or GLB keep all that is not geometry, and so
-/// do several OBJ in one OBJ; any other combination keeps vertices, polygons and texture coordinates. glTF is only written from
-/// one glTF; a buffer of it that changed, or that would not be found from the folder of OUT, is embedded. Other files that an input names
-/// (materials, images) are named as before, and looked for beside OUT.
+/// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY and glTF or GLB from glTF or GLB keep all that
+/// is not geometry, and so do several OBJ in one OBJ; any other combination keeps vertices, polygons and texture
+/// coordinates. glTF is only written from one glTF; a buffer of it that changed, or that would not be found from the
+/// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
+/// beside OUT.
 ///
-/// Exit code: 0 clean; 1 intersections remain, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
+/// Exit code: 0 clean; 1 intersections remain, and OUT is the best state found; 2 bad input or usage, another error, or
+/// Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 pub struct FixArgs {
     /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// File to write (.obj, .ply, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its own name
+    /// File to write (.obj, .ply, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its
+    /// own name
     #[arg(short, long, value_name = "OUT")]
     pub out: PathBuf,
     /// Print one JSON document (schema untangled.fix/1) instead of lines for people
@@ -38,8 +41,8 @@ pub struct FixArgs {
     /// Time against result
     #[arg(long, value_enum, default_value_t)]
     pub quality: QualityArg,
-    /// Keep vertices where they are: a file of 0-based indices separated by white space, with # comments; of several inputs together, pieces
-    /// in order
+    /// Keep vertices where they are: a file of 0-based indices separated by white space, with # comments; of several
+    /// inputs together, pieces in order
     #[arg(long, value_name = "FILE")]
     pub pin: Option<PathBuf>,
     /// Replace OUT (and the report) if it exists; never an input

@@ -33,7 +33,10 @@ pub enum FixError {
         reason: String,
     },
     /// Two outputs have the same path.
-    #[error("{}: would be written twice, from {} and from {}", path.display(), inputs[0].display(), inputs[1].display())]
+    #[error(
+        "{}: would be written twice, from {} and from {}",
+        path.display(), inputs[0].display(), inputs[1].display()
+    )]
     Twice {
         /// The output.
         path: PathBuf,
@@ -41,7 +44,10 @@ pub enum FixError {
         inputs: [PathBuf; 2],
     },
     /// Vertices that are not pinned can't have other positions in the output.
-    #[error("{}: vertices {first} to {last} can't be moved: {reason}; write .obj or .ply, or pin these vertices", path.display())]
+    #[error(
+        "{}: vertices {first} to {last} can't be moved: {reason}; write .obj or .ply, or pin these vertices",
+        path.display()
+    )]
     Fixed {
         /// The output.
         path: PathBuf,

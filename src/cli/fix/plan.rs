@@ -61,7 +61,8 @@ pub(super) fn plan<'a>(args: &FixArgs, files: &'a [MeshFile]) -> Result<(Vec<Job
 /// Checks, before any work is done, that its result can be written.
 ///
 /// # Errors
-/// [`FixError::Fixed`] for vertices that are not pinned and can't have other positions; [`FixError::Target`] for other reasons.
+/// [`FixError::Fixed`] for vertices that are not pinned and can't have other positions; [`FixError::Target`] for other
+/// reasons.
 pub(super) fn check_movable(jobs: &[Job<'_>], input: &Input) -> Result<(), FixError> {
     for Job { output, target, vertices } in jobs {
         for (range, reason) in output.fixed_vertices() {

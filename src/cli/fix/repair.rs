@@ -90,8 +90,8 @@ impl Repair<'_> {
         Ok(Written { staged, counts: Counts::new(&analysis), analysis, input })
     }
 
-    /// Relaxes a state that is not clean and writes the best result. Another round follows where a state was clean before its files
-    /// rounded it, as long as iterations are left.
+    /// Relaxes a state that is not clean and writes the best result. Another round follows where a state was clean
+    /// before its files rounded it, as long as iterations are left.
     pub(super) fn run(
         &self,
         input: &Input,

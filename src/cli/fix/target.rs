@@ -24,8 +24,8 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Checks that `path` may be written: it leads to no file of `inputs` through any spelling or link, and to an existing file only with
-    /// `overwrite`.
+    /// Checks that `path` may be written: it leads to no file of `inputs` through any spelling or link, and to an
+    /// existing file only with `overwrite`.
     ///
     /// # Errors
     /// [`FixError::Target`].
@@ -129,7 +129,8 @@ impl Staged {
         // A file that was created since the check in `new` is not replaced without `overwrite`.
         let result = if target.overwrite { file.persist(&target.place) } else { file.persist_noclobber(&target.place) };
         result.map_err(|error| target.failed(&error.error))?;
-        // The new name is on the disk only after its folder is synchronised. Not all file systems allow that, so errors are ignored.
+        // The new name is on the disk only after its folder is synchronised. Not all file systems allow that, so errors
+        // are ignored.
         let folder = target.place.parent().and_then(|folder| File::open(folder).ok());
         folder.map(|folder| folder.sync_all());
         Ok(())

@@ -15,8 +15,9 @@ use super::{Blocked, Distortion, FixArgs, QualityArg, fix, terminal::Interrupt};
 const FLOOR: &str = "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n";
 const SPIKE: &str = "v 1 1 0.5\nv 1 1.5 3\nv 1.5 1 3\nf 1 2 3\n";
 /// Both of them in single precision; the floor rises by one last place.
-const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
-property list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n\
+1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
 
 const STEP: Iteration = Iteration { num_edge_face_intersections: 1, path_length_m: 0.5, method: Method::Push };
 
@@ -195,7 +196,9 @@ fn fix_of_fixed_vertices_requires_them_to_be_pinned() {
             Ok(result(positions.to_vec()))
         };
     let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
-    assert!(error.ends_with("out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; write .obj or .ply, or pin these vertices"), "{error}");
+    let expected = "out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; \
+                    write .obj or .ply, or pin these vertices";
+    assert!(error.ends_with(expected), "{error}");
     args.pin = Some(folder.path().join("pins.txt"));
     let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
     assert!(!report.clean && calls == 1);

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use super::theme::{Colour, single};
 
-/// Colour of a piece of cloth under the studio lights. `normal` is in the viewer's axes and need not have unit length; `back` tells that
-/// the back side is seen; `to_side` is the distance to the nearest side of the triangle, in samples.
+/// Colour of a piece of cloth under the studio lights. `normal` is in the viewer's axes and need not have unit length;
+/// `back` tells that the back side is seen; `to_side` is the distance to the nearest side of the triangle, in samples.
 pub(super) fn shade(colour: Colour, normal: Vector3<f64>, back: bool, to_side: f32) -> Colour {
     // The normal of the side that faces the viewer, for either order of the vertices.
     let normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::z);

@@ -1,8 +1,8 @@
 //! Pictures of a cloth and its intersections, drawn in software: no GPU, no window.
 //!
-//! The cloth is shaded on both sides, inside regions are tinted, and intersection paths (contours) are drawn on top, each in the colour of its
-//! type, faint where cloth hides them. One [`View`] serves for several states, so that pictures of before and after can be compared
-//! pixel by pixel.
+//! The cloth is shaded on both sides, inside regions are tinted, and intersection paths (contours) are drawn on top,
+//! each in the colour of its type, faint where cloth hides them. One [`View`] serves for several states, so that
+//! pictures of before and after can be compared pixel by pixel.
 //!
 //! Each module uses those above it in this table only.
 //!

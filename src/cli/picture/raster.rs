@@ -19,8 +19,8 @@ pub(super) struct Corner {
     pub(super) inside: f64,
 }
 
-/// Draws a triangle with smooth shading, seen from either side, and with faint sides; in the first colour outside of paths, in the second
-/// inside.
+/// Draws a triangle with smooth shading, seen from either side, and with faint sides; in the first colour outside of
+/// paths, in the second inside.
 pub(super) fn triangle(canvas: &mut Canvas, corners: [Corner; 3], [outside, inside]: [Colour; 2]) {
     let [a, b, c] = corners.map(|corner| corner.screen.coords.xy());
     let cross = |p: Vector2<f64>, q: Vector2<f64>| p.perp(&q);

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// A parallel projection of a bounding box, seen from a little above one of its corners. The shortest side of the box is taken for its
-/// height, since most cloth lies flat.
+/// A parallel projection of a bounding box, seen from a little above one of its corners. The shortest side of the box
+/// is taken for its height, since most cloth lies flat.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Rows: right, up, towards the viewer.

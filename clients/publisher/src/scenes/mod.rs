@@ -1,8 +1,8 @@
-//! Tangled scenes to start from, the same for the same seed: one for each type of intersection path in Wicke, Lanker and Gross
-//! (2006), and several side by side.
+//! Tangled scenes to start from, the same for the same seed: one for each type of intersection path in Wicke, Lanker
+//! and Gross (2006), and several side by side.
 //!
-//! Each tangle is held: the cloth is pinned and gravity drives it further in, so that it stays tangled without corrections. The rest
-//! shape of every sheet is flat, and its texture coordinates are the rest shape, in metres.
+//! Each tangle is held: the cloth is pinned and gravity drives it further in, so that it stays tangled without
+//! corrections. The rest shape of every sheet is flat, and its texture coordinates are the rest shape, in metres.
 
 mod folds;
 mod layers;

@@ -55,8 +55,8 @@ impl Sheet {
         Self { columns: self.columns.next_multiple_of(2), rows: self.rows.next_multiple_of(2), ..self }
     }
 
-    /// Puts the sheet into the world by a map from its `u` in `0..=width` and `v` in `0..=height`. The grid is jittered inside, and
-    /// the diagonals are random.
+    /// Puts the sheet into the world by a map from its `u` in `0..=width` and `v` in `0..=height`. The grid is jittered
+    /// inside, and the diagonals are random.
     #[must_use]
     pub fn build(self, seed: u64, map: impl Fn(f64, f64) -> Vec3) -> Cloth {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,9 +1,10 @@
 //! Hinges keep their angle: isometric bending (Bergou, Wardetzky, Harmon, Zorin and Grinspun 2006).
 //!
-//! With cotangent weights `k` the vector `L = sum k_i x_i` over the four vertices of a hinge vanishes when it is flat, and has the
-//! length `2 |e| sin(angle / 2)` when it is bent; the energy is `3 B / (2 A) |L|^2`. Since `L` is linear in the positions, `L` itself
-//! can serve as a constraint of three components with the same gradient in each, which one multiplier solves exactly.
-//! A hinge that is bent at rest keeps the length of `L`, not its direction, so that a rotation of the whole cloth has no energy.
+//! With cotangent weights `k` the vector `L = sum k_i x_i` over the four vertices of a hinge vanishes when it is flat,
+//! and has the length `2 |e| sin(angle / 2)` when it is bent; the energy is `3 B / (2 A) |L|^2`. Since `L` is linear in
+//! the positions, `L` itself can serve as a constraint of three components with the same gradient in each, which one
+//! multiplier solves exactly. A hinge that is bent at rest keeps the length of `L`, not its direction, so that a
+//! rotation of the whole cloth has no energy.
 
 use crate::mesh::{Cloth, Vec3};
 

@@ -1,7 +1,7 @@
 //! Self-contact: vertices stay off triangles, and edges off edges.
 //!
-//! Each step takes the side of a pair from the positions at its start, without any memory, so contact preserves a tangle as well. That is
-//! why a host needs the mask: pairs with a masked vertex are left out.
+//! Each step takes the side of a pair from the positions at its start, without any memory, so contact preserves a
+//! tangle as well. That is why a host needs the mask: pairs with a masked vertex are left out.
 
 use crate::mesh::{Cloth, Vec3};
 
@@ -31,8 +31,8 @@ pub(super) struct Contacts {
     found: Vec<u32>,
 }
 
-/// Largest part of the thickness by which features that are too near are separated in one step, so that a tangle whose mask ends does
-/// not explode.
+/// Largest part of the thickness by which features that are too near are separated in one step, so that a tangle whose
+/// mask ends does not explode.
 const RECOVERY: f64 = 0.1;
 
 impl Contacts {

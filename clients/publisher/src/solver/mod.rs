@@ -1,9 +1,9 @@
 //! The simulator of this host: extended position-based dynamics (XPBD) with small steps.
 //!
-//! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez 2016
-//! (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch, hinges
-//! resist bending, and self-contact keeps each vertex on the side where it is, right or wrong, as in most simulators.
-//! Everything runs sequentially and in a fixed order, so the same input gives the same motion.
+//! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez
+//! 2016 (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch,
+//! hinges resist bending, and self-contact keeps each vertex on the side where it is, right or wrong, as in most
+//! simulators. Everything runs sequentially and in a fixed order, so the same input gives the same motion.
 
 mod bend;
 mod contact;

@@ -33,7 +33,8 @@ impl Polygons {
         &self.corners[self.range(polygon)]
     }
 
-    /// The texture coordinates of one polygon, one for each corner; `None` unless all corners of all polygons have them.
+    /// The texture coordinates of one polygon, one for each corner; `None` unless all corners of all polygons have
+    /// them.
     #[must_use]
     pub fn uv_corners(&self, polygon: usize) -> Option<&[u32]> {
         self.has_uvs().then(|| &self.uv_corners[self.range(polygon)])
@@ -71,8 +72,8 @@ impl Polygons {
         self.corners.len() - start
     }
 
-    /// All triangles, polygon by polygon, as vertex indices and, where all corners have them, texture coordinate indices, both
-    /// `num_faces x 3`.
+    /// All triangles, polygon by polygon, as vertex indices and, where all corners have them, texture coordinate
+    /// indices, both `num_faces x 3`.
     ///
     /// A polygon of `n` corners gives `n - 2` triangles of its orientation; [`clip_ears`] says which.
     pub(crate) fn triangulate(&self, positions: &[[f64; 3]]) -> (Vec<[u32; 3]>, Option<Vec<[u32; 3]>>) {

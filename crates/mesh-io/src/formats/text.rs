@@ -4,7 +4,8 @@ use std::io::{self, Write};
 
 use crate::error::ReadErrorKind;
 
-/// Tokens of one logical line, separated by white space and ended by a comment; a line that ends in `\` continues in the next.
+/// Tokens of one logical line, separated by white space and ended by a comment; a line that ends in `\` continues in
+/// the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Tokens<'a> {
     source: &'a [u8],

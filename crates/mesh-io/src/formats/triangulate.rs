@@ -2,15 +2,15 @@
 
 use robust::{Coord, orient2d};
 
-/// Most orientation signs computed for one polygon, since clipping ears costs O(n^3): a polygon of more than some thousand corners
-/// that is far from convex becomes a fan.
+/// Most orientation signs computed for one polygon, since clipping ears costs O(n^3): a polygon of more than some
+/// thousand corners that is far from convex becomes a fan.
 const MOST_SIGNS: usize = 20_000_000;
 
 /// Splits one polygon of `n` corners into `n - 2` triangles of its orientation, each emitted as three corner numbers.
 ///
-/// Ears are clipped in the order of the corners, in the coordinate plane in which the polygon's area is largest, and decided by exact
-/// signs (Shewchuk 1997). A convex polygon so becomes the fan of its first corner, as in most programs. A polygon without an ear,
-/// because it crosses itself or lies on a line, becomes a fan too.
+/// Ears are clipped in the order of the corners, in the coordinate plane in which the polygon's area is largest, and
+/// decided by exact signs (Shewchuk 1997). A convex polygon so becomes the fan of its first corner, as in most
+/// programs. A polygon without an ear, because it crosses itself or lies on a line, becomes a fan too.
 ///
 /// Cost: O(n^2) for a convex polygon, at most [`MOST_SIGNS`] otherwise.
 pub(crate) fn clip_ears(points: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {

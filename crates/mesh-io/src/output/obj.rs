@@ -10,9 +10,9 @@ use crate::{
 
 /// Writes meshes one after the other into one OBJ, polygons and texture coordinates kept.
 ///
-/// A mesh that was read from an OBJ keeps its lines; their indices are shifted. Every mesh but the first is an object of its own, without
-/// the group, smoothing and material of earlier ones. `positions` holds the vertices of all meshes in metres, `num_vertices x 3`; for a
-/// file that it does not cover, the positions of the file are written.
+/// A mesh that was read from an OBJ keeps its lines; their indices are shifted. Every mesh but the first is an object
+/// of its own, without the group, smoothing and material of earlier ones. `positions` holds the vertices of all meshes
+/// in metres, `num_vertices x 3`; for a file that it does not cover, the positions of the file are written.
 ///
 /// # Errors
 /// [`WriteError::Join`] for free-form curves and surfaces in any file but the first, and what writing to `out` gives.

@@ -6,8 +6,8 @@ use crate::mesh_file::MeshFile;
 
 /// Writes meshes one after the other into one binary little-endian PLY in double precision, polygons kept.
 ///
-/// `positions` holds the vertices of all meshes in metres, `num_vertices x 3`; where it ends early, the positions of the files are written.
-/// Texture coordinates are written as a list of each face where it has them.
+/// `positions` holds the vertices of all meshes in metres, `num_vertices x 3`; where it ends early, the positions of
+/// the files are written. Texture coordinates are written as a list of each face where it has them.
 ///
 /// # Errors
 /// What writing to `out` gives.

@@ -29,20 +29,25 @@ fn written(mesh: &MeshFile, positions: &[[f64; 3]]) -> Vec<u8> {
 }
 
 /// Everything that the format allows and exporters write.
-const ODD_OBJ: &[u8] = b"\xef\xbb\xbf# C:\\models\\\r\nmtllib a.mtl\r\nv 0 0 0\r\nv  1.50\t0 0 1.0\r\nv 1 1 0 0.5 0.5 0.5 # red\r\n\
-v 0 1 0\r\nvt 0 0\r\nvt 1 0\r\nvt 1 1\r\nvn 0 0 1\r\ng front back\r\ns off\r\nusemtl caf\xe9\r\nf 1/1 2/2/1 \\\r\n  3/3 4/1/1\r\n\
+const ODD_OBJ: &[u8] = b"\xef\xbb\xbf# C:\\models\\\r\nmtllib a.mtl\r\nv 0 0 0\r\nv  1.50\t0 0 1.0\r\n\
+v 1 1 0 0.5 0.5 0.5 # red\r\n\
+v 0 1 0\r\nvt 0 0\r\nvt 1 0\r\nvt 1 1\r\nvn 0 0 1\r\ng front back\r\ns off\r\nusemtl caf\xe9\r\n\
+f 1/1 2/2/1 \\\r\n  3/3 4/1/1\r\n\
 f -4/-3 -3/-2/-1 -1/-1\r\nl 1 2\r\nf 5/1 1/2 2/3\r\nv 2e0 -.5 +1.25e-1";
 
 const ASCII_PLY: &str = "ply\nformat ascii 1.0\ncomment odd\nelement vertex 4\nproperty uchar red\nproperty double y\n\
-property double x\nproperty double z\nproperty list uchar int bones\nelement material 1\nproperty float shine\nelement face 2\n\
-property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n255 0 0 0 2 7 8\n255 0 1.50 0 0\n\
+property double x\nproperty double z\nproperty list uchar int bones\nelement material 1\n\
+property float shine\nelement face 2\n\
+property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n\
+255 0 0 0 2 7 8\n255 0 1.50 0 0\n\
 255 1 1 0 1 3\n255 1 0 0.1 0\n0.5\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 2 6 0 0 1 0 1 1\n";
 
 /// A triangle in either byte order, with a list and a colour round the coordinates, and texture coordinates by vertex.
 fn binary_ply(big: bool, scalar: &str) -> Vec<u8> {
     let order = if big { "big" } else { "little" };
     let mut file = format!(
-        "ply\r\nformat binary_{order}_endian 1.0\r\nelement vertex 3\r\nproperty list uchar short tags\r\nproperty {scalar} x\r\n\
+        "ply\r\nformat binary_{order}_endian 1.0\r\nelement vertex 3\r\nproperty list uchar short tags\r\n\
+property {scalar} x\r\n\
 property {scalar} y\r\nproperty {scalar} z\r\nproperty float s\r\nproperty float t\r\nelement face 1\r\n\
 property list uchar uint vertex_index\r\nend_header\r\n"
     )

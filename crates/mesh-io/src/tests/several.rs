@@ -37,7 +37,8 @@ fn write_obj_and_write_ply_of_several_files_read_back_as_their_world() {
 #[test]
 fn write_obj_of_obj_files_keeps_their_lines_and_shifts_their_indices() {
     let first = read("odd.obj", ODD_OBJ).unwrap();
-    let second = b"\xef\xbb\xbf# second\r\nv 9 0 0\r\nv 9 1 0 # up\r\nv 9 0 1\r\nvn 0 1 0\r\nvn 1 0 0\r\nvt .5 .5\r\nf 1/1/2 2//1 \\\r\n3/1\r\n\
+    let second = b"\xef\xbb\xbf# second\r\nv 9 0 0\r\nv 9 1 0 # up\r\nv 9 0 1\r\nvn 0 1 0\r\n\
+vn 1 0 0\r\nvt .5 .5\r\nf 1/1/2 2//1 \\\r\n3/1\r\n\
 l 3 2 1\r\np 1 -1\r\nf -3/-1/-2 -2 -1\r\ng own\r\nusemtl own\r\nf 3 2 1 # \\";
     let second = read("se cond.obj", second).unwrap();
     let third =
@@ -50,7 +51,8 @@ l 3 2 1\r\np 1 -1\r\nf -3/-1/-2 -2 -1\r\ng own\r\nusemtl own\r\nf 3 2 1 # \\";
     write_obj(&files, &positions, &mut joined).unwrap();
     let expected = [
         ODD_OBJ,
-        b"\no se_cond\r\ng default\r\ns off\r\nusemtl none\r\n# second\r\nv 9 0 0\r\nv 9 1 0.75 # up\r\nv 9 0 1\r\nvn 0 1 0\r\nvn 1 0 0\r\n\
+        b"\no se_cond\r\ng default\r\ns off\r\nusemtl none\r\n# second\r\nv 9 0 0\r\nv 9 1 0.75 # up\r\n\
+v 9 0 1\r\nvn 0 1 0\r\nvn 1 0 0\r\n\
 vt .5 .5\r\nf 6/4/3 7//2 \\\r\n8/4\r\nl 8 7 6\r\np 6 -1\r\nf -3/-1/-2 -2 -1\r\ng own\r\nusemtl own\r\nf 8 7 6 # \\\n\n\
 o named\ng x\ns 1\nusemtl y\nv 0 0 0\nv 0 0 1\nv 0 1 1\nf 11//4 9 10\nvn 0 0 1\n",
     ]

@@ -12,16 +12,17 @@ pub struct Distortion {
     pub max_displacement_m: f64,
     /// Mean displacement of all vertices, in metres.
     pub mean_displacement_m: f64,
-    /// Stretch (length after divided by length before) of the edge with the largest |log| of it; 0 for an edge that collapsed.
+    /// Stretch (length after divided by length before) of the edge with the largest |log| of it; 0 for an edge that
+    /// collapsed.
     pub max_edge_stretch: f64,
     /// Mean stretch of all edges.
     pub mean_edge_stretch: f64,
 }
 
 impl Distortion {
-    /// Compares two states, both `num_vertices x 3` in metres. Edges without length before have no stretch and are left out; without any
-    /// edge the stretch is 1.
-    pub(in crate::cli::fix) fn new(mesh: &Mesh, before: &[[f64; 3]], after: &[[f64; 3]]) -> Self {
+    /// Compares two states, both `num_vertices x 3` in metres. Edges without length before have no stretch and are left
+    /// out; without any edge the stretch is 1.
+    pub(crate) fn new(mesh: &Mesh, before: &[[f64; 3]], after: &[[f64; 3]]) -> Self {
         let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
         let (mut largest, mut sum) = (0.0f64, 0.0);
         for (&before, &after) in before.iter().zip(after) {

@@ -16,10 +16,10 @@ use signal_hook::{
 
 use crate::cli::fix::error::FixError;
 
-/// Listens for SIGINT and SIGTERM. The first signal asks the work to end; the second ends the process at once, unless files are being
-/// written.
+/// Listens for SIGINT and SIGTERM. The first signal asks the work to end; the second ends the process at once, unless
+/// files are being written.
 #[derive(Debug, Default)]
-pub(in crate::cli::fix) struct Interrupt {
+pub(crate) struct Interrupt {
     asked: Arc<AtomicBool>,
     handlers: Vec<SigId>,
     /// Handlers that end the process at once.
@@ -28,7 +28,7 @@ pub(in crate::cli::fix) struct Interrupt {
 
 impl Interrupt {
     /// Starts listening.
-    pub(in crate::cli::fix) fn listen() -> io::Result<Self> {
+    pub(crate) fn listen() -> io::Result<Self> {
         let mut interrupt = Self::default();
         for signal in [SIGINT, SIGTERM] {
             // Handlers run in the order of registration, so that the first signal finds the flag unset.
@@ -39,23 +39,24 @@ impl Interrupt {
     }
 
     /// Whether the work should end.
-    pub(in crate::cli::fix) fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
     }
 
     /// The flag that a signal sets.
     #[cfg(test)]
-    pub(in crate::cli::fix) fn flag(&self) -> Arc<AtomicBool> {
+    pub(crate) fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.asked)
     }
 
     /// An error if the work should end.
-    pub(in crate::cli::fix) fn check(&self) -> Result<(), FixError> {
+    pub(crate) fn check(&self) -> Result<(), FixError> {
         if self.is_asked() { Err(FixError::Interrupted) } else { Ok(()) }
     }
 
-    /// Says that files are being written from now on: a second signal no longer ends the process, so that it can remove unfinished files.
-    pub(in crate::cli::fix) fn wait_for_files(&mut self) {
+    /// Says that files are being written from now on: a second signal no longer ends the process, so that it can remove
+    /// unfinished files.
+    pub(crate) fn wait_for_files(&mut self) {
         for handler in self.hard_handlers.drain(..) {
             low_level::unregister(handler);
         }

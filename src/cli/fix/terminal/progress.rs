@@ -10,13 +10,13 @@ use crate::cli::wording::name_of;
 
 /// One line on standard error, if that is a terminal; it is cleared at the end.
 #[derive(Debug)]
-pub(in crate::cli::fix) struct Progress {
+pub(crate) struct Progress {
     bar: ProgressBar,
     num_iterations: usize,
 }
 
 impl Progress {
-    pub(in crate::cli::fix) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         // indicatif hides the line where standard error is not a terminal.
         let bar = ProgressBar::new_spinner();
         if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
@@ -27,12 +27,12 @@ impl Progress {
     }
 
     /// Shows the current stage.
-    pub(in crate::cli::fix) fn say(&self, what: &'static str) {
+    pub(crate) fn say(&self, what: &'static str) {
         self.bar.set_message(what);
     }
 
     /// Shows the state after an iteration.
-    pub(in crate::cli::fix) fn iteration(&mut self, iteration: &Iteration) {
+    pub(crate) fn iteration(&mut self, iteration: &Iteration) {
         self.num_iterations += 1;
         let Iteration { num_edge_face_intersections, path_length_m, method } = iteration;
         self.bar.set_message(format!(

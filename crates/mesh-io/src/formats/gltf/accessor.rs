@@ -1,4 +1,5 @@
-//! Accessors: the numbers of a glTF document, with every bound checked, since a document is not trusted about its buffers.
+//! Accessors: the numbers of a glTF document, with every bound checked, since a document is not trusted about its
+//! buffers.
 
 use gltf::{
     Accessor,

@@ -41,7 +41,8 @@ impl Chunks {
         (kind == JSON).then_some(Self { container: Container::Binary, json, binary: second, rest })
     }
 
-    /// Writes the file with other JSON and another binary chunk, in either container. A binary file keeps the chunks of extensions.
+    /// Writes the file with other JSON and another binary chunk, in either container. A binary file keeps the chunks of
+    /// extensions.
     pub(crate) fn write(
         &self,
         source: &[u8],

@@ -209,7 +209,8 @@ fn fixed_vertices_name_the_reason() {
     assert_eq!(compressed, ["0..4 the document uses KHR_draco_mesh_compression"]);
     let sparse = edit(
         r#""count": 4, "type": "VEC3","#,
-        r#""count": 4, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 0}},"#,
+        r#""count": 4, "type": "VEC3", "sparse": {
+            "count": 1, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 0}},"#,
     );
     assert_eq!(sparse, ["0..4 accessor 0 is sparse"]);
     let overlapping = edit(

@@ -73,8 +73,9 @@ impl GltfDocument {
 
     /// Writes the file with other positions, `num_vertices x 3`.
     ///
-    /// Besides positions this changes only: the bounds of accessors whose positions changed; and buffers in files of their own, which become
-    /// `data:` links if their bytes changed or if their link would not lead to them from another folder.
+    /// Besides positions this changes only: the bounds of accessors whose positions changed; and buffers in files of
+    /// their own, which become `data:` links if their bytes changed or if their link would not lead to them from
+    /// another folder.
     pub(crate) fn write(
         &self,
         before: &[[f64; 3]],
@@ -128,8 +129,8 @@ impl GltfDocument {
         Ok(Stored { buffers, moved })
     }
 
-    /// Whether a buffer is the binary chunk of the file in some container. A text file that becomes a binary one puts its first buffer
-    /// there.
+    /// Whether a buffer is the binary chunk of the file in some container. A text file that becomes a binary one puts
+    /// its first buffer there.
     fn is_in_chunk(&self, buffer: usize, container: Container) -> bool {
         let was_text = self.container() == Container::Text;
         container == Container::Binary

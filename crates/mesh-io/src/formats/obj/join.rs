@@ -25,8 +25,8 @@ pub(crate) struct Before {
     pub(crate) has_pieces: bool,
 }
 
-/// Keywords that apply to all elements after them, and the line that resets each. OBJ has no reset for materials; readers take a name
-/// that no library defines for no material.
+/// Keywords that apply to all elements after them, and the line that resets each. OBJ has no reset for materials;
+/// readers take a name that no library defines for no material.
 const STATES: [(&[u8], &str); 3] = [(b"g", "g default"), (b"s", "s off"), (b"usemtl", "usemtl none")];
 
 /// Keywords of free-form geometry, whose indices are not understood here.
@@ -55,8 +55,8 @@ struct Survey {
 }
 
 impl ObjDocument {
-    /// Writes the file after others, with other positions. The piece is an object of its own, called `name` unless it names itself, and
-    /// the states that earlier pieces have set are reset.
+    /// Writes the file after others, with other positions. The piece is an object of its own, called `name` unless it
+    /// names itself, and the states that earlier pieces have set are reset.
     pub(crate) fn write_after(
         &self,
         before: &mut Before,
@@ -140,7 +140,8 @@ impl ObjDocument {
     }
 }
 
-/// Shifts the positive indices of an element's corners by the counts of earlier pieces. Negative indices count back and stay.
+/// Shifts the positive indices of an element's corners by the counts of earlier pieces. Negative indices count back and
+/// stay.
 fn shift(tokens: Tokens<'_>, skipped: usize, counts: [usize; 3], edits: &mut Vec<Edit>) {
     for (offset, token) in tokens {
         let mut start = skipped + offset;

@@ -122,8 +122,9 @@ impl Parser {
         format!("face {}", polygon + 1)
     }
 
-    /// A 0-based index; a negative one counts back from the newest element. [`check_references`](Self::check_references) checks the
-    /// positive ones at the end of the file, since a face may come before its vertices.
+    /// A 0-based index; a negative one counts back from the newest element.
+    /// [`check_references`](Self::check_references) checks the positive ones at the end of the file, since a face may
+    /// come before its vertices.
     fn index(&self, field: &[u8], token: &[u8], what: &'static str, defined: usize) -> Result<u32, ReadErrorKind> {
         let element = || self.face_name(self.polygons.len());
         let index: i64 = std::str::from_utf8(field)

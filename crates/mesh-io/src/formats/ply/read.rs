@@ -115,7 +115,7 @@ fn decode(bytes: &[u8], scalar: Scalar, encoding: Encoding) -> f64 {
 
 /// Converts a double to an index, if it is a whole number in range.
 fn whole_number(value: f64) -> Option<u32> {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked by the way back")]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked by converting back")]
     let whole = value as u32;
     (f64::from(whole).to_bits() == value.to_bits() && whole != NO_UV).then_some(whole)
 }

@@ -49,8 +49,8 @@ impl PlyDocument {
         Ok(out.write_all(&bytes)?)
     }
 
-    /// Positions rounded to the types of the file. A coordinate whose single does not change keeps its old value, since text may have more
-    /// digits than a single.
+    /// Positions rounded to the types of the file. A coordinate whose single does not change keeps its old value, since
+    /// text may have more digits than a single.
     fn stored(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
         let mut stored = after.to_vec();
         for (vertex, (before, after)) in before.iter().zip(&mut stored).enumerate() {
