@@ -13,18 +13,19 @@ const COLUMNS: usize = 100;
 
 /// How the run with corrections ended.
 pub(super) fn untangled(summary: &Summary) -> String {
-    let Summary { num_edge_face_before, num_edge_face_after, num_frames, clean, .. } = summary;
-    let verdict = if *clean { "clean" } else { "not clean" };
-    let frames = Counted(*num_frames, "frame");
-    format!("{verdict}: {num_edge_face_before} edge-face intersections became {num_edge_face_after} in {frames}")
+    format!("{}: {}", if summary.clean { "clean" } else { "not clean" }, counts(summary))
 }
 
 /// How the control ended.
 pub(super) fn control(summary: &Summary) -> String {
-    let Summary { num_edge_face_before, num_edge_face_after, num_frames, clean, .. } = summary;
-    let verdict = if *clean { "it came clean without corrections" } else { "it stays tangled" };
+    let verdict = if summary.clean { "it came clean without corrections" } else { "it stays tangled" };
+    format!("{verdict}: {}", counts(summary))
+}
+
+fn counts(summary: &Summary) -> String {
+    let Summary { num_edge_face_before, num_edge_face_after, num_frames, .. } = summary;
     let frames = Counted(*num_frames, "frame");
-    format!("{verdict}: {num_edge_face_before} edge-face intersections became {num_edge_face_after} in {frames}")
+    format!("{num_edge_face_before} edge-face intersections became {num_edge_face_after} in {frames}")
 }
 
 /// The last sentence: what was shown, and what to look at.
@@ -41,11 +42,11 @@ pub(super) fn shown(mesh: &Mesh, summary: &Summary, control: Option<&Summary>, f
         }
     };
     wrapped(&format!(
-        "Shown: corrections from the daemon {result} a cloth of {} vertices and {} triangles in {frames}{control}; \
+        "Shown: corrections from the daemon {result} a cloth of {} vertices and {} in {frames}{control}; \
          look at before.png and after.png in {}, where intersection paths have the colour of their type, or open \
          before.obj and after.obj in a 3D viewer.",
         mesh.num_vertices(),
-        mesh.num_faces(),
+        Counted(mesh.num_faces(), "triangle"),
         folder.display(),
     ))
 }
@@ -71,7 +72,33 @@ fn wrapped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use untangle::mesh::MeshDescription;
+
     use super::*;
+
+    #[test]
+    fn shown_names_frames_files_and_the_control() {
+        let faces = vec![[0, 1, 2]];
+        let mesh = Mesh::new(MeshDescription { num_vertices: 3, faces, ..MeshDescription::default() }).unwrap();
+        let summary = |clean, num_frames| Summary {
+            clean,
+            num_frames,
+            num_edge_face_before: 2,
+            num_edge_face_after: 0,
+            num_face_pairs_before: 1,
+            num_face_pairs_after: 0,
+            num_late_frames: 0,
+        };
+        let sentence =
+            |control: Option<&Summary>| shown(&mesh, &summary(true, 1), control, Path::new("out")).replace('\n', " ");
+        let start = "Shown: corrections from the daemon untangled a cloth of 3 vertices and 1 triangle in 1 frame";
+        let end = "look at before.png and after.png in out, where intersection paths have the colour of their type, or \
+                   open before.obj and after.obj in a 3D viewer.";
+        assert_eq!(sentence(None), format!("{start}; {end}"));
+        let tangled = sentence(Some(&summary(false, 300)));
+        assert_eq!(tangled, format!("{start}, and without them it was still tangled after 300 frames; {end}"));
+        assert!(sentence(Some(&summary(true, 7))).contains("says nothing about the corrections"));
+    }
 
     #[test]
     fn wrapped_of_a_long_text_breaks_at_blanks_within_the_width() {
