@@ -3,7 +3,8 @@
 //! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
 //!   the file and are split into triangles only for the analysis. Positions are kept in double precision.
 //! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
-//!   other positions, it differs from the file that was read in the coordinates that changed, and in no other byte.
+//!   other positions, it differs from the file that was read in the coordinates that changed and in no other byte; in
+//!   glTF also in the bounds of positions and in links to buffers that changed.
 //! - Input is not trusted: a header that lies about its lengths costs an error, not memory.
 //!
 //! ```

@@ -19,7 +19,7 @@ pub(crate) struct Before {
     pub(crate) counts: [usize; 3],
     /// Which of [`STATES`] are set.
     is_set: [bool; STATES.len()],
-    /// Ends the last line, where the piece has not.
+    /// Written before the next piece, where the last line has no end.
     pub(crate) separator: &'static str,
     /// Whether anything has been written.
     pub(crate) has_pieces: bool,
