@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::config::{self, Config};
 
-use super::{CliError, Outcome};
+use super::outcome::{self, CliError, Outcome};
 
 #[derive(Debug, Args)]
 pub(super) struct ConfigArgs {
@@ -14,6 +14,6 @@ pub(super) struct ConfigArgs {
 
 pub(super) fn run(args: &ConfigArgs) -> Result<Outcome, CliError> {
     let config = Config::load(&args.config)?;
-    super::print(&config.explained()?)?;
+    outcome::print(&(config.explained()? + "\n"))?;
     Ok(Outcome::Clean)
 }

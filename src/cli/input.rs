@@ -1,20 +1,20 @@
-//! What the subcommands on files share: files as one world, and what can be wrong with them.
+//! Mesh files as one world, and what can be wrong with them.
 
 use std::{
-    collections::BTreeMap,
-    fmt::{self, Display, Formatter},
     fs,
     ops::Range,
     path::{Path, PathBuf},
 };
 
-use serde::Serialize;
 use thiserror::Error;
 
-use untangle::{analysis::Analysis, frame::{Frame, FrameError}, mesh::{Mesh, MeshError, VertexId}, paths::PairType};
+use untangle::{
+    frame::{Frame, FrameError},
+    mesh::{Mesh, MeshError, VertexId},
+};
 use untangled_mesh_io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh};
 
-/// Why files are no world that can be analysed.
+/// Why files can't be analysed.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// A file can't be read.
@@ -53,12 +53,12 @@ pub(super) fn read_files(paths: &[PathBuf]) -> Result<Vec<MeshFile>, InputError>
     Ok(paths.iter().map(read_mesh).collect::<Result<_, _>>()?)
 }
 
-/// Files in one world, before anything is checked; `paths` are their names in messages.
+/// Puts files into one world, not validated yet; `paths` are their names in messages.
 pub(super) fn join(paths: &[PathBuf], meshes: &[MeshFile]) -> Result<World, InputError> {
     concatenate(meshes).map_err(|source| InputError::World { files: names(paths), source })
 }
 
-/// Files in one world, ready to be analysed.
+/// A validated world: its mesh, its positions in metres, `num_vertices x 3`, and the frame of these.
 #[derive(Clone, Debug)]
 pub(super) struct Input {
     pub(super) mesh: Mesh,
@@ -78,13 +78,13 @@ impl Input {
         Ok(Self { mesh, positions, frame })
     }
 
-    /// Whether a vertex stays where it is.
+    /// Whether a vertex is pinned.
     pub(super) fn is_pinned(&self, vertex: usize) -> bool {
         u32::try_from(vertex).is_ok_and(|vertex| self.mesh.is_pinned(VertexId(vertex)))
     }
 }
 
-/// Finds the file and the line of a position that was refused.
+/// Adds the file and the line to the error of a position.
 fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> InputError {
     let FrameError::Coordinate { vertex, axis, value } = source else {
         unreachable!("files have one position for each vertex: {source}");
@@ -106,36 +106,11 @@ fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Number of path pairs by type, types without any left out.
-pub(super) fn count_path_pairs(analysis: &Analysis) -> BTreeMap<PairType, usize> {
-    let mut counts = BTreeMap::new();
-    for pair in &analysis.paths.pairs {
-        *counts.entry(pair.pair_type).or_default() += 1;
-    }
-    counts
-}
-
-/// The name of a type or method, as in JSON.
-pub(super) fn name_of(value: impl Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
-/// Whether two names, however spelt or linked, are one existing file.
+/// Whether two paths, through any spelling or link, lead to the same existing file.
 pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     match (fs::metadata(a), fs::metadata(b)) {
         (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
         _ => false,
-    }
-}
-
-/// `1 face`, `2 faces`.
-pub(super) struct Counted(pub(super) usize, pub(super) &'static str);
-
-impl Display for Counted {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(count, noun) = self;
-        let plural = if *count == 1 { "" } else { "s" };
-        write!(f, "{count} {noun}{plural}")
     }
 }

@@ -1,31 +1,32 @@
-//! Subcommands: what a user types, and the exit codes that scripts rely on.
+//! The command line: subcommands, and the exit codes that scripts rely on.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | `outcome` | how a command ends, and printing |
+//! | `wording` | words that reports, tables and pictures share |
+//! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
+//! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
 pub mod check;
 mod config;
 pub mod demo;
 pub mod fix;
 pub mod input;
+mod outcome;
 pub mod picture;
 mod serve;
 mod status;
+mod wording;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// How a command ended; errors end with exit code 2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Done and clean: exit code 0.
-    Clean,
-    /// Done, but intersections remain, or a certificate could not be given: exit code 1.
-    Remaining,
-}
+pub use outcome::{CliError, Outcome};
 
-/// Any error of a command: printed as one line, then exit code 2.
-pub type CliError = Box<dyn std::error::Error + Send + Sync>;
-
-/// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or on files.
+/// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or
+/// on files.
 ///
 /// Exit codes: 0 done and clean, 1 done but intersections remain, 2 bad usage, bad input or another error.
 #[derive(Debug, Parser)]
@@ -71,21 +72,5 @@ pub fn main() -> ExitCode {
             eprintln!("untangled: {error}");
             ExitCode::from(2)
         }
-    }
-}
-
-/// Prints to standard output; a reader that has closed its end is not an error.
-fn print(text: &str) -> Result<(), CliError> {
-    print_on(text).map(drop)
-}
-
-/// Prints to standard output; whether somebody still reads.
-fn print_on(text: &str) -> Result<bool, CliError> {
-    use std::io::{ErrorKind, Write};
-    let mut out = std::io::stdout().lock();
-    match writeln!(out, "{text}").and_then(|()| out.flush()) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        Err(error) => Err(error.into()),
     }
 }

@@ -3,9 +3,13 @@
 use clap::Args;
 use sd_notify::NotifyState;
 
-use crate::{config::{Config, ConfigFlags, Telemetry}, service::{self, ServeOptions, Shutdown}, telemetry};
+use crate::{
+    config::{Config, ConfigFlags, Telemetry},
+    service::{self, ServeOptions, Shutdown},
+    telemetry,
+};
 
-use super::{CliError, Outcome};
+use super::outcome::{CliError, Outcome};
 
 #[derive(Debug, Args)]
 pub(super) struct ServeArgs {
@@ -46,7 +50,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
     Ok(Outcome::Clean)
 }
 
-/// Tells systemd, where it started us with `Type=notify`.
+/// Notifies systemd, if it started this process with `Type=notify`.
 fn notify_systemd(state: NotifyState<'_>) {
     if let Err(error) = sd_notify::notify(false, &[state]) {
         tracing::warn!(%error, "notifying systemd");

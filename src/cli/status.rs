@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::Value;
 use untangled_client::{Client, ClientOptions};
 
-use super::{CliError, Outcome};
+use super::outcome::{self, CliError, Outcome};
 
 #[derive(Debug, Args)]
 pub(super) struct StatusArgs {
@@ -30,7 +30,7 @@ pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
     let Some(seconds) = args.watch else {
         let report = client.status()?;
         let text = if args.json { serde_json::to_string_pretty(&report)? } else { table(&report)? };
-        super::print(&text)?;
+        outcome::print(&(text + "\n"))?;
         return Ok(Outcome::Clean);
     };
     let pause = Duration::try_from_secs_f64(seconds)
@@ -42,7 +42,7 @@ pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
     loop {
         let report = client.status()?;
         let text = if args.json { report.to_string() } else { table(&report)? };
-        if !super::print_on(&format!("{clear}{text}"))? {
+        if !outcome::print(&format!("{clear}{text}\n"))? {
             return Ok(Outcome::Clean);
         }
         next += pause;
@@ -50,8 +50,9 @@ pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
     }
 }
 
+/// Shortest period of `--watch`.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
-/// Cursor home, and the screen cleared.
+/// Moves the cursor home and clears the screen.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
 fn table(report: &Value) -> Result<String, std::fmt::Error> {

@@ -49,7 +49,8 @@ pub struct PublishArgs {
     /// Domain of the daemon.
     #[arg(long, value_name = "NAME")]
     pub domain: Option<String>,
-    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no motion].
+    /// What corrections the daemon shall send [default: force for scenes, displacement for files, which need no
+    /// motion].
     #[arg(long, value_enum)]
     pub correction: Option<Kind>,
     /// Ignore all corrections.
@@ -70,6 +71,9 @@ pub struct PublishArgs {
     /// Print a line every so many frames; 0 for none.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub report_every: usize,
+    /// Print a table of few lines, as `untangled demo` shows it.
+    #[arg(long, hide = true)]
+    pub brief: bool,
     /// Write before.obj and after.obj into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -91,7 +95,8 @@ pub struct PublishArgs {
 }
 
 impl PublishArgs {
-    /// The kind asked for. A file is a shape to clean, not a motion: displacements leave no speed behind.
+    /// The kind of correction to ask for. A file is a shape to clean, not a motion; displacements add no velocity to
+    /// it.
     fn correction_kind(&self) -> CorrectionKind {
         let usual = if self.file.is_some() { Kind::Displacement } else { Kind::Force };
         self.correction.unwrap_or(usual).into()
@@ -166,7 +171,7 @@ pub fn main(args: &PublishArgs) -> ExitCode {
         Ok(summary) if summary.clean => ExitCode::SUCCESS,
         Ok(_) => ExitCode::from(1),
         Err(error) => {
-            // Nobody is left to tell if standard error is closed.
+            // A closed standard error can't be reported anywhere.
             let _ = writeln!(io::stderr(), "error: {error}");
             ExitCode::from(2)
         }
@@ -190,10 +195,13 @@ pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostE
         max_frames: args.frames,
         num_clean_frames: args.clean_frames,
         report_every: args.report_every,
+        brief: args.brief,
         kind: args.correction_kind(),
     };
-    let cloth = host.solver().cloth();
-    writeln!(out, "{} vertices, {} triangles", cloth.positions.len(), cloth.triangles.len())?;
+    if !args.brief {
+        let cloth = host.solver().cloth();
+        writeln!(out, "{} vertices, {} triangles", cloth.positions.len(), cloth.triangles.len())?;
+    }
     let summary = run(&mut host, options, out)?;
     write_obj(args.out.as_deref(), "after.obj", host.solver().cloth())?;
     if let Some(path) = &args.summary {
@@ -247,10 +255,9 @@ fn write_obj(folder: Option<&Path>, name: &str, cloth: &Cloth) -> Result<(), Hos
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::Scene;
 
     #[test]
-    fn without_a_word_it_is_the_cloth_of_the_library() {
+    fn parameters_without_arguments_are_those_of_cloth() {
         let args = Cli::parse_from(["untangled-publisher"]).args;
         let cloth = Scene::Tongue.build(1, 0.05);
         assert_eq!(parameters(&args, &cloth), Parameters::of_cloth(&cloth, 9.81));

@@ -2,13 +2,17 @@
 //!
 //! One step of a host:
 //!
-//! 1. write the positions of this instant into the sample that the session lends ([`Session::exchange`] does it in place);
-//! 2. wait for the correction of exactly this frame, but never longer than a deadline: without one the simulation goes on;
+//! 1. write the positions of this instant into the sample that the session lends ([`Session::exchange`] does it in
+//!    place);
+//! 2. wait for the correction of exactly this frame, but no longer than a deadline, after which the simulation
+//!    continues without;
 //! 3. take from each vertex the value, in the unit that was asked for at registration, and the flags;
-//! 4. add the values to the next step, and in that step **switch self-collision off** where a flag of [`flags::MASK`] is set.
+//! 4. add the values to the next step, and in that step **switch self-collision off** where a flag of [`flags::MASK`]
+//!    is set.
 //!
-//! The fourth point is not a detail. Contact defends whatever side a vertex is on, so with it switched on a force only presses the
-//! cloth against itself; see `--force-only`. And without the force nothing attractions the cloth back; see `--mask-only`.
+//! The fourth point is essential. Self-collision keeps each vertex on the side where it is, so where it is on, a force
+//! only presses the cloth against itself; see `--force-only`. Without the force nothing moves the cloth back; see
+//! `--mask-only`.
 
 use std::{
     io,
@@ -28,7 +32,7 @@ use crate::{
     solver::{Help, Solver},
 };
 
-/// Which part of a correction is used. All but the first are there for comparison: none of them untangles.
+/// Which part of a correction is used. All but the first are controls: none of them untangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Use {
     /// Values and mask.
@@ -36,7 +40,7 @@ pub enum Use {
     Everything,
     /// Values, with self-collision on everywhere.
     ValuesOnly,
-    /// The mask alone.
+    /// The mask, without values.
     MaskOnly,
     /// Nothing: the daemon only watches.
     Nothing,
@@ -61,7 +65,7 @@ pub struct HostOptions {
     pub settings: serde_json::Value,
 }
 
-/// Why the host can't go on.
+/// Why the host can't continue.
 #[derive(Debug, Error)]
 pub enum HostError {
     /// No daemon to talk to.
@@ -84,10 +88,10 @@ pub enum HostError {
     Output(#[from] io::Error),
 }
 
-/// What came of one step.
+/// The result of one exchange.
 #[derive(Clone, Copy, Debug)]
 pub struct StepReport {
-    /// What the daemon says of the state that was published; nothing if its answer did not come in time.
+    /// What the daemon says of the state that was published; `None` if its answer did not come in time.
     pub header: Option<CorrectionHeader>,
     /// Length of the longest value, in the unit of the kind of correction.
     pub largest_value: f64,
@@ -151,10 +155,10 @@ impl Host {
         &self.solver
     }
 
-    /// Publishes the state as it is and takes its correction. The state does not change before [`advance`](Self::advance).
+    /// Publishes the current state and takes its correction. The state changes in [`advance`](Self::advance) only.
     ///
     /// # Errors
-    /// [`HostError::Exchange`] for what another frame would not cure.
+    /// [`HostError::Exchange`] for errors that would repeat in the next frame.
     pub fn exchange(&mut self) -> Result<StepReport, HostError> {
         let step = StepTime { simulated_s: self.simulated_s, dt_s: self.options.dt_s };
         let begin = Instant::now();
@@ -166,7 +170,8 @@ impl Host {
         let round_trip = begin.elapsed();
         let correction = match answer {
             Ok(correction) => Some(correction),
-            // A daemon that is slow, gone or just coming back is no reason to stop: the session finds it again by itself.
+            // The simulation continues while the daemon is slow, gone or restarting, since the session reconnects
+            // without help.
             Err(
                 ExchangeError::Publish(PublishError::Reconnecting)
                 | ExchangeError::Wait(
@@ -184,7 +189,7 @@ impl Host {
         })
     }
 
-    /// Simulates one step with what the last exchange brought.
+    /// Simulates one step with the correction of the last exchange.
     pub fn advance(&mut self) {
         let help = Help {
             velocity_change_m_s: &self.velocity_change_m_s,
@@ -195,7 +200,8 @@ impl Host {
         self.simulated_s += self.options.dt_s;
     }
 
-    /// Copies a correction into what the solver wants, and returns the length of its longest value. No correction: no help.
+    /// Converts a correction to [`Help`] of the solver and returns the length of its longest value. Without a
+    /// correction there is no help.
     fn take(&mut self, correction: Option<&Correction>) -> f64 {
         self.velocity_change_m_s.fill(Vec3::zeros());
         self.displacement_m.fill(Vec3::zeros());

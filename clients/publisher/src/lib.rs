@@ -1,8 +1,9 @@
-//! An example host of untangled: a small but honest cloth simulator that publishes its steps and applies the corrections.
+//! An example host of untangled: a small but honest cloth simulator that publishes its steps and applies the
+//! corrections.
 //!
-//! Read [`host`] first: it is the loop that any simulator needs to talk to the daemon. The rest is what a host has anyway: a
-//! [`mesh`], a [`solver`] with self-contact of its own, [`scenes`] to start from, an exact [`check`] that shares nothing with the
-//! untangler and therefore may judge it, [`obj`] files and a [command line](cli).
+//! Read [`host`] first: it is the loop that any simulator needs to talk to the daemon. The rest is the simulator: a
+//! [`mesh`], a [`solver`] with self-contact of its own, [`scenes`] to start from, [`obj`] files and a [command
+//! line](cli). The exact [`check`] shares no code with the untangler, nor does [`obj`], so that they can judge it.
 
 pub mod check;
 pub mod cli;

@@ -1,4 +1,4 @@
-//! The cloth as this host keeps it: triangles, where they are, and what shape they would like to have.
+//! The cloth of this host: triangles, positions and rest shape.
 
 use nalgebra::Vector3;
 
@@ -10,8 +10,8 @@ pub type Vec3 = Vector3<f64>;
 pub struct Cloth {
     /// Where the vertices are, `num_vertices x 3`.
     pub positions: Vec<Vec3>,
-    /// Where they are when nothing attractions, `num_vertices x 3`: only lengths and angles within a triangle and its neighbours are used, so
-    /// that a flat layout serves.
+    /// Where they are at rest, without any force, `num_vertices x 3`. Only lengths and angles within a triangle and its
+    /// neighbours are used, so a flat layout will do.
     pub rest_positions: Vec<Vec3>,
     /// Vertex indices, `num_triangles x 3`.
     pub triangles: Vec<[u32; 3]>,
@@ -19,11 +19,11 @@ pub struct Cloth {
     pub uvs: Option<Uvs>,
     /// Vertices that never move.
     pub pins: Vec<u32>,
-    /// Whether hinges want to be flat (generated scenes), or to keep the angle of the rest shape (files).
+    /// Whether hinges are flat at rest (generated scenes), or have the angle of the rest shape (files).
     pub flat_hinges: bool,
 }
 
-/// Texture coordinates: an atlas in which a corner, not a vertex, has its place.
+/// Texture coordinates, indexed by corners of triangles, not by vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Uvs {
     /// `num_coordinates x 2`.
@@ -49,7 +49,7 @@ impl Cloth {
         edges
     }
 
-    /// Every edge that has exactly two triangles, ascending. At an edge of more triangles nothing bends.
+    /// Every edge of exactly two triangles, ascending. An edge of more triangles has no bending stiffness.
     #[must_use]
     pub fn hinges(&self) -> Vec<Hinge> {
         let mut sides: Vec<_> = sides(&self.triangles).collect();
@@ -63,8 +63,8 @@ impl Cloth {
             .collect()
     }
 
-    /// Mass of each vertex in kilograms: a third of the rest area of its triangles times the density. A vertex of no triangle
-    /// gets the mass of the lightest other one, since a mass can't be zero.
+    /// Mass of each vertex in kilograms: a third of the rest area of its triangles times the density. A vertex of no
+    /// triangle gets the mass of the lightest other one, since a mass can't be zero.
     #[must_use]
     pub fn masses_kg(&self, density_kg_m2: f64) -> Vec<f64> {
         let mut masses = vec![0.0; self.positions.len()];
@@ -111,7 +111,8 @@ impl Cloth {
         self.edges().into_iter().map(ratio).fold(1.0, farther)
     }
 
-    /// Rounds every position to single precision, which is what goes over the wire: the host then simulates what it publishes.
+    /// Rounds every position to single precision, as the wire carries it, so that the host simulates the state that it
+    /// publishes.
     pub fn round_to_f32(&mut self) {
         for position in &mut self.positions {
             *position = position.map(|value| f64::from(to_f32(value)));
@@ -175,13 +176,13 @@ mod tests {
     }
 
     #[test]
-    fn a_square_has_five_edges_and_one_hinge() {
+    fn edges_and_hinges_of_a_square_are_five_and_one() {
         assert_eq!(square().edges(), [[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]]);
         assert_eq!(square().hinges(), [Hinge { vertices: [0, 2, 1, 3] }]);
     }
 
     #[test]
-    fn the_worst_edge_may_be_long_or_short() {
+    fn worst_edge_ratio_finds_long_and_short_edges() {
         let mut cloth = square();
         assert!((cloth.worst_edge_ratio() - 1.0).abs() < 1e-12);
         cloth.positions[1].x = 3.0;
@@ -191,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn masses_add_up_to_area_times_density_and_none_is_zero() {
+    fn masses_add_up_to_area_times_density_and_are_positive() {
         let mut cloth = square();
         let total: f64 = cloth.masses_kg(0.3).iter().sum();
         assert!((total - 0.6).abs() < 1e-12);
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn appended_pieces_keep_their_shape() {
+    fn append_shifts_indices_and_positions() {
         let mut cloth = square();
         cloth.append(square(), Vec3::new(0.0, 0.0, 5.0));
         assert_eq!(cloth.triangles[3], [4, 6, 7]);

@@ -1,7 +1,8 @@
-//! Wavefront OBJ: just enough of it to bring a cloth in and out.
+//! Wavefront OBJ, as far as a cloth needs it.
 //!
-//! Read are `v`, `vt` and `f` (polygons as fans, negative indices); all else is skipped. Positions are written so that reading
-//! them gives the same numbers again, bit for bit.
+//! Read are `v`, `vt` and `f` (polygons as fans, negative indices); all else is skipped. Positions are written so that
+//! they read back to the same bits. This reader shares no code with the untangler, on purpose: together with the [exact
+//! check](crate::check) it judges files that the untangler wrote, and a fault in a shared reader would escape both.
 
 use std::{
     fs,
@@ -24,7 +25,7 @@ pub enum ObjError {
         /// What the system said.
         source: io::Error,
     },
-    /// A line makes no sense.
+    /// A line that can't be parsed.
     #[error("{path}:{line}: {reason}: `{text}`")]
     Line {
         /// The file.
@@ -36,7 +37,7 @@ pub enum ObjError {
         /// The line.
         text: String,
     },
-    /// There is no triangle in it.
+    /// The file has no faces.
     #[error("{0}: there are no faces in this file")]
     Empty(PathBuf),
 }
@@ -145,7 +146,7 @@ fn number(word: Option<&str>) -> Result<f64, &'static str> {
     }
 }
 
-/// From an index as it stands in the file (from 1, or backwards from -1) to one from 0.
+/// Converts an index of the file (from 1, or backwards from -1) to one from 0.
 fn index(word: Option<&str>, count: usize) -> Result<u32, &'static str> {
     let given: i64 = word.and_then(|word| word.parse().ok()).ok_or("this is not an index")?;
     let count = i64::try_from(count).map_err(|_| "the file is too large")?;
@@ -157,7 +158,7 @@ fn index(word: Option<&str>, count: usize) -> Result<u32, &'static str> {
     }
 }
 
-/// Writes a cloth where it is now.
+/// Writes the current positions of a cloth, its texture coordinates and its triangles.
 ///
 /// # Errors
 /// [`ObjError::File`].
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn polygons_negative_indices_and_texture_coordinates() {
+    fn read_of_polygons_negative_indices_and_texture_coordinates_gives_a_fan() {
         let text =
             "# cloth\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 -1/-1\n";
         let cloth = read_text("quad", text).unwrap();
@@ -211,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_reads_back_to_the_bit() {
+    fn write_then_read_gives_the_same_bits() {
         let mut cloth =
             read_text("first", "v 0.1 1e-7 3.3333333\nv 1 0 0\nv 0 1 0\nvt 0.1 0.2\nf 1/1 2/1 3/1\n").unwrap();
         let path = std::env::temp_dir().join(format!("untangled-publisher-{}-again", std::process::id()));
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_lines_are_named() {
+    fn read_of_bad_lines_names_them() {
         let error = read_text("bad", "v 0 0 0\nf 1 2 3\n").unwrap_err().to_string();
         assert!(error.ends_with(":2: an index names nothing that stands above: `f 1 2 3`"), "{error}");
         assert!(matches!(read_text("nan", "v 0 nan 0\n"), Err(ObjError::Line { line: 1, .. })));

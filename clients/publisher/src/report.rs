@@ -1,4 +1,4 @@
-//! What a run says about itself: a line now and then, and a summary at the end.
+//! The lines that a run prints, and its summary.
 
 use std::io::{self, Write};
 
@@ -41,7 +41,7 @@ pub fn write_line(out: &mut dyn Write, frame: usize, report: &StepReport, kind: 
         "frame {frame:>5}  {:>5} edge-face  {:<34}  path {:>7.3} m  inside {:>4}  masked {:>4}  largest {:>9.3e} {}",
         header.num_edge_face_intersections,
         types(header),
-        // Not even the sign of an empty sum.
+        // An empty sum may be -0, whose sign is not printed.
         header.contour_length_m.max(0.0).abs(),
         header.num_inside,
         report.num_masked,
@@ -51,12 +51,30 @@ pub fn write_line(out: &mut dyn Write, frame: usize, report: &StepReport, kind: 
     write!(out, "  round trip {round_trip_ms:>6.2} ms (")?;
     let mut separator = "";
     for (name, nanoseconds) in stage::NAMES.iter().zip(header.stage_ns).take(stage::TOTAL) {
-        #[expect(clippy::cast_precision_loss, reason = "a time to be read by people")]
+        #[expect(clippy::cast_precision_loss, reason = "printed with two decimals")]
         let milliseconds = nanoseconds as f64 / 1e6;
         write!(out, "{separator}{name} {milliseconds:.2}")?;
         separator = ", ";
     }
     writeln!(out, ")")
+}
+
+/// Writes the header of the lines of [`write_brief_line`].
+///
+/// # Errors
+/// What the writer says.
+pub fn write_brief_header(out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "frame  intersections  answer in  intersection paths by type")
+}
+
+/// Writes a short line of one frame, with the number of edge-face hits that the exact check found.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_brief_line(out: &mut dyn Write, frame: usize, num_hits: usize, report: &StepReport) -> io::Result<()> {
+    let round_trip_ms = report.round_trip.as_secs_f64() * 1e3;
+    let found = report.header.as_ref().map_or_else(|| "no answer in time".to_owned(), types);
+    writeln!(out, "{frame:>5}  {num_hits:>13}  {round_trip_ms:>6.2} ms  {found}")
 }
 
 /// Path pairs by type, as in `2 LL, 1 BLI`.
@@ -86,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_names_types_counts_and_units() {
+    fn write_line_names_types_counts_and_units() {
         let mut header = CorrectionHeader { num_edge_face_intersections: 42, ..CorrectionHeader::default() };
         header.num_pairs[pair_type::LOOP_LOOP] = 2;
         header.num_pairs[pair_type::BI_BI] = 1;

@@ -1,4 +1,4 @@
-//! A run: steps until the cloth is clean, or until there were enough of them.
+//! A run: steps until the cloth is clean, or a number of steps.
 
 use std::io::Write;
 
@@ -6,11 +6,11 @@ use crate::{
     check::{edge_face_hits, face_pairs},
     host::{Host, HostError},
     mesh::Cloth,
-    report::{Summary, write_line},
+    report::{Summary, write_brief_header, write_brief_line, write_line},
 };
 use untangled_client::CorrectionKind;
 
-/// When a run ends and what it says on the way.
+/// When a run ends, and which lines it prints.
 #[derive(Clone, Copy, Debug)]
 pub struct RunOptions {
     /// Most steps.
@@ -19,8 +19,21 @@ pub struct RunOptions {
     pub num_clean_frames: usize,
     /// A line is written every so many frames, and at the end; never for zero.
     pub report_every: usize,
+    /// Whether lines are short, and become rarer: after one, four, sixteen times `report_every` frames, and so on.
+    pub brief: bool,
     /// Unit of the values in the lines.
     pub kind: CorrectionKind,
+}
+
+impl RunOptions {
+    fn is_reported(&self, frame: usize, done: bool) -> bool {
+        if self.report_every == 0 {
+            return false;
+        }
+        let count = frame / self.report_every;
+        let is_rare_enough = !self.brief || count == 0 || count.is_power_of_two() && count.trailing_zeros() % 2 == 0;
+        done || frame % self.report_every == 0 && is_rare_enough
+    }
 }
 
 /// Steps a host until it is done. The exact check judges every published state that the daemon takes for clean.
@@ -29,6 +42,9 @@ pub struct RunOptions {
 /// [`HostError`].
 pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<Summary, HostError> {
     let (num_edge_face_before, num_face_pairs_before) = judge(host.solver().cloth())?;
+    if options.brief && options.report_every > 0 {
+        write_brief_header(out)?;
+    }
     let mut clean_frames = 0;
     let mut num_late_frames = 0;
     let mut frame = 0;
@@ -38,8 +54,12 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
         let seems_clean = report.header.is_some_and(|header| header.num_edge_face_intersections == 0);
         clean_frames = if seems_clean && judge(host.solver().cloth())?.0 == 0 { clean_frames + 1 } else { 0 };
         let done = frame == options.max_frames || (clean_frames > 0 && clean_frames == options.num_clean_frames);
-        if options.report_every > 0 && (done || frame % options.report_every == 0) {
-            write_line(out, frame, &report, options.kind)?;
+        if options.is_reported(frame, done) {
+            if options.brief {
+                write_brief_line(out, frame, judge(host.solver().cloth())?.0, &report)?;
+            } else {
+                write_line(out, frame, &report, options.kind)?;
+            }
         }
         if done {
             break;
@@ -63,4 +83,26 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
 fn judge(cloth: &Cloth) -> Result<(usize, usize), HostError> {
     let hits = edge_face_hits(&cloth.points(), &cloth.triangles)?;
     Ok((hits.len(), face_pairs(&hits, &cloth.triangles).len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_reported_of_a_brief_run_becomes_rarer_and_ends_with_a_line() {
+        let options = RunOptions {
+            max_frames: 300,
+            num_clean_frames: 0,
+            report_every: 10,
+            brief: true,
+            kind: CorrectionKind::Force,
+        };
+        let reported = |options: RunOptions| {
+            (0..=300).filter(|&frame| options.is_reported(frame, frame == 300)).collect::<Vec<usize>>()
+        };
+        assert_eq!(reported(options), [0, 10, 40, 160, 300]);
+        assert_eq!(reported(RunOptions { brief: false, ..options }).len(), 31);
+        assert!(reported(RunOptions { report_every: 0, ..options }).is_empty());
+    }
 }

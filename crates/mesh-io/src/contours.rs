@@ -1,11 +1,12 @@
-//! Intersection paths as lines, for Blender, MeshLab and Houdini.
+//! Intersection paths (contours) as lines, for Blender, MeshLab and Houdini.
 
 use std::io::{self, Write};
 
-use super::text::write_number;
 use untangle::paths::{IntersectionPaths, PairType, PathPoint};
 
-/// One polyline of the drawing.
+use crate::formats::text::write_number;
+
+/// One polyline.
 struct Line<'a> {
     pair: usize,
     pair_type: PairType,
@@ -19,8 +20,8 @@ impl Line<'_> {
     }
 }
 
-/// What there is to draw, pair by pair: of two corresponding paths, which run through the same points, only the first; of a path
-/// that is its own partner, and so runs to a loop vertex and back, only the way there.
+/// The polylines, pair by pair. Two corresponding paths run through the same points, so only the first is drawn. A path
+/// that is its own partner runs to a loop vertex and back, so only its first half is drawn.
 fn lines(paths: &IntersectionPaths) -> impl Iterator<Item = Line<'_>> {
     paths.pairs.iter().enumerate().flat_map(move |(number, pair)| {
         pair.copies.clone().filter(move |&at| paths.copies[at].partner >= at).map(move |at| {
@@ -38,7 +39,8 @@ fn lines(paths: &IntersectionPaths) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// Writes one `l` element for each path, in groups named by type and number of the pair: `g CLOSED_0`.
+/// Writes the paths as an OBJ of one `l` element each, in groups named by the type and the number of the pair: `g
+/// CLOSED_0`.
 ///
 /// # Errors
 /// What writing to `out` gives.
@@ -98,7 +100,8 @@ pub fn write_contours_ply(paths: &IntersectionPaths, out: &mut dyn Write) -> io:
     Ok(())
 }
 
-/// Name of a group, without a slash, and one colour for each type, told apart by most eyes (after Okabe and Ito's palette).
+/// Name of the group, without a slash, and colour of a type. The palette follows Okabe and Ito (2008), which the
+/// colour-blind can tell apart.
 fn style(pair_type: PairType) -> (&'static str, [u8; 3]) {
     match pair_type {
         PairType::Closed => ("CLOSED", [0, 114, 178]),
@@ -158,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn obj_has_a_group_and_a_line_for_each_pair() {
+    fn write_contours_obj_writes_a_group_and_a_line_for_each_pair() {
         let mut out = Vec::new();
         write_contours_obj(&paths(), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
@@ -169,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn ply_has_coloured_vertices_and_edges() {
+    fn write_contours_ply_writes_coloured_vertices_and_edges() {
         let mut out = Vec::new();
         write_contours_ply(&paths(), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();

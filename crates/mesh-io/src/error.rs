@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[error("{}{}: {kind}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
 pub struct ReadError {
-    /// The file, as it was named.
+    /// The file, as its caller named it.
     pub path: PathBuf,
     /// Line at fault, counted from 1, in a text format.
     pub line: Option<usize>,
@@ -34,12 +34,12 @@ pub enum ReadErrorKind {
         /// Faces in the file.
         num_faces: usize,
     },
-    /// Something other than a number where one is needed.
+    /// A token that is not a number.
     #[error("{element} has `{text}` where a number is needed")]
     NotANumber {
         /// Which element.
         element: String,
-        /// What stands there, shortened.
+        /// The token, shortened.
         text: String,
     },
     /// NaN or infinite.
@@ -60,7 +60,7 @@ pub enum ReadErrorKind {
         /// How many are needed.
         needed: usize,
     },
-    /// A polygon of less than three corners.
+    /// A polygon of fewer than three corners.
     #[error("{element} has {given} corners, at least 3 are needed")]
     TooFewCorners {
         /// Which element.
@@ -68,22 +68,22 @@ pub enum ReadErrorKind {
         /// How many there are.
         given: usize,
     },
-    /// An index that can't be one.
+    /// A token that is not an index.
     #[error("{element} has `{text}` where an index is needed")]
     NotAnIndex {
         /// Which element.
         element: String,
-        /// What stands there, shortened.
+        /// The token, shortened.
         text: String,
     },
-    /// A reference to something that is not there.
+    /// An index of an element that does not exist.
     #[error("{element} refers to {what} {index}, but only {defined} are defined")]
     OutOfRange {
         /// Which element.
         element: String,
         /// What is referred to.
         what: &'static str,
-        /// The index as it stands in the file.
+        /// The index as the file has it.
         index: i64,
         /// How many there are.
         defined: usize,
@@ -111,10 +111,10 @@ pub enum WriteError {
     /// The name of the file does not tell a format.
     #[error("meshes are written as .obj, .ply, .gltf or .glb")]
     UnknownFormat,
-    /// glTF holds neither polygons nor several documents, and what it holds beside the geometry is not made up.
+    /// glTF holds neither polygons nor several documents, and needs data that other formats don't have.
     #[error("glTF is only written from one glTF file; write .obj or .ply")]
     OnlyFromGltf,
-    /// Not one position for each vertex.
+    /// The number of positions is not the number of vertices.
     #[error("{given} positions were given for {expected} vertices")]
     Length {
         /// Positions given.
@@ -122,7 +122,7 @@ pub enum WriteError {
         /// Vertices of the file.
         expected: usize,
     },
-    /// The file holds its coordinates in a way that can't take new ones.
+    /// The file stores coordinates in a form that can't hold new ones.
     #[error("vertex {vertex} can't be moved in this file: {reason}")]
     FixedCoordinates {
         /// The vertex, from 0.
@@ -130,7 +130,7 @@ pub enum WriteError {
         /// Why.
         reason: String,
     },
-    /// A line of an OBJ refers to others in a way that is not understood, so its indices can't be changed.
+    /// A line of an OBJ has indices of unknown meaning, which can't be shifted.
     #[error("{}:{line}: `{keyword}` can't be joined to other files", path.display())]
     Join {
         /// The file.

@@ -1,36 +1,59 @@
 //! Mesh files in and out: OBJ, PLY and glTF; intersection paths as lines.
 //!
-//! Rules for all formats. Positions are kept in double precision. Nothing is merged, reordered or dropped: vertex `k` of a file is
-//! vertex `k` of the mesh, polygons stay polygons in the file and are split into triangles only for the analysis. A file that is
-//! written back is the file that was read with other coordinates, byte for byte: a [`MeshFile`] keeps the bytes it came from
-//! and where in them each coordinate stands. Input is not trusted: a header that lies costs an error, not memory.
+//! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
+//!   the file and are split into triangles only for the analysis. Positions are kept in double precision.
+//! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
+//!   other positions, it differs from the file that was read in the coordinates that changed and in no other byte; in
+//!   glTF also in the bounds of positions and in links to buffers that changed.
+//! - Input is not trusted: a header that lies about its lengths costs an error, not memory.
+//!
+//! ```
+//! use untangled_mesh_io::{concatenate, read_mesh};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("triangle.obj");
+//! std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wool\nf 1 2 3\n")?;
+//!
+//! let file = read_mesh(&path)?;
+//! let world = concatenate(std::slice::from_ref(&file))?;
+//! assert_eq!(world.description.faces, [[0, 1, 2]]);
+//!
+//! let mut positions = world.positions;
+//! positions[2][1] = 1.5;
+//! let mut written = Vec::new();
+//! file.write_with_positions(&positions, &mut written)?;
+//! assert_eq!(written, b"v 0 0 0\nv 1 0 0\nv 0 1.5 0\nusemtl wool\nf 1 2 3\n");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Each module uses those above it in this table only.
 //!
 //! | module | purpose |
 //! |---|---|
-//! | `text` | tokens, numbers and replacement of coordinates in text |
-//! | `polygon` | polygons and their triangulation |
-//! | `obj`, `ply`, `gltf` | one format each |
-//! | `mesh_file` | what all formats come down to; several files as one world |
-//! | `output` | which files can become which |
+//! | `error` | why a file was not read or not written |
+//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate` and `mesh_data` |
+//! | `file_format` | the formats by name and by content |
+//! | `mesh_file` | one file of any format |
+//! | `world` | several files in one world |
+//! | `output` | one or several files as one file |
 //! | `contours` | intersection paths as lines for other programs |
 
 mod contours;
 mod error;
-mod gltf;
+mod file_format;
+mod formats;
 mod mesh_file;
-mod obj;
 mod output;
-mod ply;
-mod polygon;
-mod text;
+#[cfg(test)]
+mod tests;
+mod world;
 
 pub use contours::{write_contours_obj, write_contours_ply};
 pub use error::{ReadError, ReadErrorKind, WriteError};
-pub use mesh_file::{FileFormat, MeshFile, World, concatenate, read_mesh};
-pub use obj::write_obj;
-pub use output::Output;
-pub use ply::write_ply;
-pub use polygon::Polygons;
-
-#[cfg(test)]
-mod tests;
+pub use file_format::FileFormat;
+pub use formats::polygon::Polygons;
+pub use mesh_file::{MeshFile, read_mesh};
+pub use output::{Output, write_obj, write_ply};
+pub use world::{World, concatenate};

@@ -9,29 +9,34 @@ use std::{
 
 use serde::Serialize;
 
-use untangle::{analysis::Analysis, mesh::Mesh, paths::{ChainEnd, PairType, PathType}};
-use crate::cli::input::{Counted, count_path_pairs, name_of};
+use untangle::{
+    analysis::Analysis,
+    mesh::Mesh,
+    paths::{ChainEnd, PairType, PathPair, PathType},
+};
+
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Name and version of this layout.
     pub schema: &'static str,
-    /// Files, as they were named; bytes that are no UTF-8 replaced.
+    /// The files as they were named; bytes that are not UTF-8 are replaced.
     pub files: Vec<String>,
-    /// Vertices of all files, unused ones included.
+    /// Vertices of all files, including unused ones.
     pub num_vertices: usize,
     /// Triangles.
     pub num_faces: usize,
-    /// Triangles with a repeated vertex, which nothing can intersect.
+    /// Triangles with a repeated vertex, which have no area to intersect.
     pub num_ignored_faces: usize,
     /// Sets of faces connected by edges.
     pub num_pieces: usize,
     /// Edges of one face.
     pub num_boundary_edges: usize,
-    /// No boundary edge.
+    /// Whether there is no boundary edge.
     pub closed: bool,
-    /// At edges and at vertices.
+    /// Whether the mesh is manifold at its edges and at its vertices.
     pub manifold: bool,
     /// Edges that pierce faces.
     pub num_edge_face_intersections: usize,
@@ -41,7 +46,7 @@ pub struct Report {
     pub path_pairs: BTreeMap<PairType, usize>,
     /// All path pairs.
     pub paths: Vec<PairReport>,
-    /// Intersecting pairs of triangles, if asked for: `i < j`, sorted.
+    /// Intersecting pairs of triangles `i < j`, sorted, if asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face_pairs: Option<Vec<[u32; 2]>>,
     /// Time of each stage.
@@ -53,7 +58,7 @@ pub struct Report {
 pub struct PairReport {
     /// Type of the pair, as found.
     pub pair_type: PairType,
-    /// A loop in the world.
+    /// Whether the path is a closed curve in the world.
     pub closed: bool,
     /// Intersecting pairs of triangles along it.
     pub num_segments: usize,
@@ -73,11 +78,11 @@ pub struct CopyReport {
     /// Its type.
     #[serde(rename = "type")]
     pub path_type: PathType,
-    /// Triangles that it runs through, one after the other.
+    /// Number of triangles that it passes through, counted each time.
     pub num_segments: usize,
-    /// Vertices inside, ascending; nothing for II and BI.
+    /// Vertices inside, ascending; `None` for II and BI.
     pub inside_vertices: Option<Vec<u32>>,
-    /// Whether it divides the cloth.
+    /// Whether it partitions the cloth.
     pub partitioning: bool,
 }
 
@@ -100,6 +105,36 @@ impl Serialize for StageTimes {
     }
 }
 
+impl PairReport {
+    fn new(analysis: &Analysis, pair: &PathPair) -> Self {
+        Self {
+            pair_type: pair.pair_type,
+            closed: pair.closed,
+            num_segments: pair.num_segments,
+            length_m: pair.length_m,
+            loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
+            ends: pair.ends.to_vec(),
+            copies: pair.copies.clone().map(|at| CopyReport::new(analysis, at)).collect(),
+        }
+    }
+}
+
+impl CopyReport {
+    fn new(analysis: &Analysis, at: usize) -> Self {
+        let Analysis { paths, regions, .. } = analysis;
+        let copy = &paths.copies[at];
+        // II and BI bound no region alone; a region that both paths of a pair bound belongs to neither.
+        let has_own = !matches!(copy.path_type, PathType::InsideInside | PathType::BoundaryInside);
+        let region = regions.by_copy[at].as_ref().filter(|_| has_own);
+        Self {
+            path_type: copy.path_type,
+            num_segments: copy.segments.len(),
+            inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
+            partitioning: region.is_some_and(|region| region.partitioning),
+        }
+    }
+}
+
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
@@ -108,28 +143,7 @@ impl Report {
         time_us: StageTimes,
         list_face_pairs: bool,
     ) -> Self {
-        let Analysis { intersections, paths, regions } = analysis;
-        let copy_report = |at: usize| {
-            let copy = &paths.copies[at];
-            // II and BI have no region of their own, even where both paths of a pair bound one together.
-            let has_own = !matches!(copy.path_type, PathType::InsideInside | PathType::BoundaryInside);
-            let region = regions.by_copy[at].as_ref().filter(|_| has_own);
-            CopyReport {
-                path_type: copy.path_type,
-                num_segments: copy.segments.len(),
-                inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
-                partitioning: region.is_some_and(|region| region.partitioning),
-            }
-        };
-        let pair_reports = paths.pairs.iter().map(|pair| PairReport {
-            pair_type: pair.pair_type,
-            closed: pair.closed,
-            num_segments: pair.num_segments,
-            length_m: pair.length_m,
-            loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
-            ends: pair.ends.to_vec(),
-            copies: pair.copies.clone().map(copy_report).collect(),
-        });
+        let Analysis { intersections, paths, .. } = analysis;
         let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
         Self {
             schema: "untangled.check/1",
@@ -144,7 +158,7 @@ impl Report {
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
-            paths: pair_reports.collect(),
+            paths: paths.pairs.iter().map(|pair| PairReport::new(analysis, pair)).collect(),
             face_pairs: list_face_pairs.then(face_pairs),
             time_us,
         }
@@ -153,10 +167,7 @@ impl Report {
     /// The document on one line.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let mut text =
-            serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"));
-        text.push('\n');
-        text
+        json_line(self)
     }
 }
 

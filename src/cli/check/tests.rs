@@ -1,3 +1,5 @@
+//! Checks of files as a user has them.
+
 use std::fs;
 
 use super::*;
@@ -12,7 +14,7 @@ fn crossing() -> (tempfile::TempDir, Vec<PathBuf>) {
 }
 
 #[test]
-fn the_report_has_every_field_of_the_contract() {
+fn check_of_crossing_triangles_reports_every_field_of_the_contract() {
     let (_folder, files) = crossing();
     let (report, _) = check(&files, true).unwrap();
     let json: serde_json::Value = serde_json::from_str(&report.to_json()).unwrap();
@@ -44,12 +46,16 @@ fn the_report_has_every_field_of_the_contract() {
 }
 
 #[test]
-fn errors_name_the_file_and_the_element() {
-    let (folder, mut files) = crossing();
+fn check_of_bad_files_names_the_file_and_the_element() {
+    let (_folder, files) = crossing();
     fs::write(&files[1], "v 0 0 0\nv 1 1e200 0\nv 2 0 1\nf 1 2 3\n").unwrap();
     let message = check(&files, false).unwrap_err().to_string();
     assert!(message.contains("b.obj:2: vertex 2 has coordinate y"), "{message}");
-    files.truncate(1);
+}
+
+#[test]
+fn contours_format_of_an_input_or_of_another_format_is_an_error() {
+    let (folder, files) = crossing();
     let contours = |name: &str| contours_format(&folder.path().join(name), &files);
     assert!(matches!(contours("a.obj"), Err(CheckError::ContoursOverInput(_))));
     std::os::unix::fs::symlink(&files[0], folder.path().join("link.ply")).unwrap();

@@ -1,10 +1,10 @@
-//! The pin file: vertices that stay where they are.
+//! The pin file.
 
 use std::{fs, path::Path};
 
-use super::FixError;
+use super::error::FixError;
 
-/// Reads 0-based vertex indices, separated by white space, `#` up to the end of a line being a comment.
+/// Reads 0-based vertex indices, separated by white space; `#` starts a comment that ends with its line.
 ///
 /// # Errors
 /// [`FixError::Pins`], with the line at fault.

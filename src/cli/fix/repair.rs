@@ -1,22 +1,27 @@
-//! The repair itself: relax, write, read back, check; and again, if the file could not hold what was found.
+//! The repair: relax, write, read back, check; and once more where rounding in the file brought intersections back.
 
-use std::{
-    ops::{ControlFlow, Range},
-    path::PathBuf,
+use std::{ops::ControlFlow, path::PathBuf};
+
+use untangle::{
+    analysis::{Analysis, analyse},
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::Mesh,
+    relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
 };
+use untangled_mesh_io::{MeshFile, read_mesh};
+
+use crate::cli::input::{self, Input};
 
 use super::{
-    FixError,
-    interrupt::Interrupt,
-    progress::Progress,
+    error::FixError,
+    plan::Job,
     report::{Blocked, Counts},
-    target::{Staged, Target},
+    target::Staged,
+    terminal::{Interrupt, Progress},
 };
-use untangle::{analysis::{Analysis, analyse}, frame::Frame, intersect::{Intersections, Intersector}, mesh::Mesh, relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation}};
-use crate::cli::input::{self, Input};
-use untangled_mesh_io::{MeshFile, Output, read_mesh};
 
-/// What brings a state apart: [`relax`](untangle::relax::relax), or what a test puts in its place.
+/// The untangling: [`relax`](untangle::relax::relax), or a substitute in tests.
 pub(super) type Solver<'a> = &'a mut dyn FnMut(
     &Mesh,
     &[[f64; 3]],
@@ -24,19 +29,10 @@ pub(super) type Solver<'a> = &'a mut dyn FnMut(
     &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError>;
 
-/// How often a state is relaxed that the file could not hold.
+/// Most rounds, each of which relaxes the state that was read back from the files of the last one.
 const MOST_ROUNDS: usize = 6;
 
-/// One output file.
-#[derive(Debug)]
-pub(super) struct Job<'a> {
-    pub(super) output: Output<'a>,
-    pub(super) target: Target,
-    /// The vertices of the world that it holds.
-    pub(super) vertices: Range<usize>,
-}
-
-/// Files beside their places, and what they hold.
+/// Temporary files beside their places, and their contents.
 #[derive(Debug)]
 pub(super) struct Written {
     pub(super) staged: Vec<Staged>,
@@ -46,7 +42,7 @@ pub(super) struct Written {
     analysis: Analysis,
 }
 
-/// A repair that came to its end.
+/// The result of a repair.
 #[derive(Debug)]
 pub(super) struct Repaired {
     pub(super) written: Written,
@@ -54,12 +50,21 @@ pub(super) struct Repaired {
     pub(super) blocked: Vec<Blocked>,
 }
 
-/// Everything that stays the same during a repair.
+/// The parts of a repair that do not change between rounds.
 #[derive(Debug)]
 pub(super) struct Repair<'a> {
     pub(super) jobs: &'a [Job<'a>],
     pub(super) pins: &'a [u32],
     pub(super) settings: RelaxSettings,
+}
+
+/// The result of one round.
+#[derive(Debug)]
+struct Round {
+    written: Written,
+    blocked: Vec<BlockedPath>,
+    /// Whether the state was clean before it was written, and is no longer.
+    lost_clean: bool,
 }
 
 impl Repair<'_> {
@@ -85,7 +90,8 @@ impl Repair<'_> {
         Ok(Written { staged, counts: Counts::new(&analysis), analysis, input })
     }
 
-    /// Relaxes a state that is not clean until what is written is, or there is nothing more to be done.
+    /// Relaxes a state that is not clean and writes the best result. Another round follows where a state was clean
+    /// before its files rounded it, as long as iterations are left.
     pub(super) fn run(
         &self,
         input: &Input,
@@ -95,53 +101,67 @@ impl Repair<'_> {
         progress: &mut Progress,
     ) -> Result<Repaired, FixError> {
         let mut history: Vec<Iteration> = Vec::new();
-        let mut best: Option<(Written, Vec<BlockedPath>)> = None;
+        let mut best: Option<Round> = None;
         let mut next: Option<Input> = None;
         for _ in 0..MOST_ROUNDS {
-            let Input { mesh, positions, .. } = next.as_ref().unwrap_or(input);
-            let settings =
-                RelaxSettings { max_iterations: self.settings.max_iterations - history.len(), ..self.settings.clone() };
-            let relaxation = solver(mesh, positions, &settings, &mut |iteration| {
-                progress.iteration(iteration);
-                if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-            .map_err(FixError::Relax)?;
-            interrupt.check()?;
-            progress.say("checking what is written");
-            // A solver that counts one iteration too many costs one, not a panic.
-            history.extend(relaxation.history.iter().take(settings.max_iterations));
-            let was_clean = is_clean(mesh, &relaxation.positions)?;
-            interrupt.wait_for_files();
-            let written = self.write(&relaxation.positions)?;
-            interrupt.check()?;
-            // The file holds other digits, or splits a polygon in another way than before: its own state is where to go on.
-            let go_on = was_clean && !written.counts.is_clean() && history.len() < self.settings.max_iterations;
-            next = go_on.then(|| written.input.clone());
-            let hits = |written: &Written| written.counts.num_edge_face_intersections;
-            if best.as_ref().is_none_or(|(best, _)| hits(&written) < hits(best)) {
-                best = Some((written, relaxation.blocked));
+            let start = next.as_ref().unwrap_or(input);
+            let round = self.round(start, &mut history, &mut *solver, interrupt, progress)?;
+            // The file rounds positions, or splits a polygon otherwise: the next round starts from what was read back.
+            let go_on = round.lost_clean && history.len() < self.settings.max_iterations;
+            next = go_on.then(|| round.written.input.clone());
+            let hits = |round: &Round| round.written.counts.num_edge_face_intersections;
+            if best.as_ref().is_none_or(|best| hits(&round) < hits(best)) {
+                best = Some(round);
             }
             if !go_on {
                 break;
             }
         }
-        let (mut written, blocked) = best.unwrap_or_else(|| unreachable!("there is at least one round"));
+        let Round { mut written, blocked, .. } = best.unwrap_or_else(|| unreachable!("there is at least one round"));
         let mut blocked: Vec<Blocked> = blocked.into_iter().map(Blocked::from).collect();
         if written.counts.num_edge_face_intersections > before.num_edge_face_intersections {
-            // Rounding made it worse than it was.
+            // Rounding made the state worse than the input.
             written = self.write(&input.positions)?;
             blocked.clear();
         }
         if written.counts.is_clean() {
             blocked.clear();
         } else if blocked.is_empty() {
-            blocked = self.left(&written, history.len());
+            blocked = self.unresolved(&written, history.len());
         }
         Ok(Repaired { written, history, blocked })
     }
 
-    /// All paths of a state that the solver said nothing about.
-    fn left(&self, written: &Written, num_iterations: usize) -> Vec<Blocked> {
+    /// Relaxes a state once and writes it; appends its iterations to `history`.
+    fn round(
+        &self,
+        Input { mesh, positions, .. }: &Input,
+        history: &mut Vec<Iteration>,
+        solver: Solver<'_>,
+        interrupt: &mut Interrupt,
+        progress: &mut Progress,
+    ) -> Result<Round, FixError> {
+        let max_iterations = self.settings.max_iterations - history.len();
+        let settings = RelaxSettings { max_iterations, ..self.settings.clone() };
+        let relaxation = solver(mesh, positions, &settings, &mut |iteration| {
+            progress.iteration(iteration);
+            if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .map_err(FixError::Relax)?;
+        interrupt.check()?;
+        progress.say("checking what is written");
+        // A solver that counts an iteration too many must not make the subtraction above overflow.
+        history.extend(relaxation.history.iter().take(max_iterations));
+        let was_clean = is_clean(mesh, &relaxation.positions)?;
+        interrupt.wait_for_files();
+        let written = self.write(&relaxation.positions)?;
+        interrupt.check()?;
+        let lost_clean = was_clean && !written.counts.is_clean();
+        Ok(Round { written, blocked: relaxation.blocked, lost_clean })
+    }
+
+    /// All paths of a state for which the solver gave no reason.
+    fn unresolved(&self, written: &Written, num_iterations: usize) -> Vec<Blocked> {
         let reason = if num_iterations >= self.settings.max_iterations {
             format!("not resolved within {num_iterations} iterations")
         } else {

@@ -1,4 +1,4 @@
-//! Where files are written: what may stand there, and how a file comes there whole.
+//! The place of an output: whether it may be written, and replacing it in one step.
 
 use std::{
     fs::{self, File},
@@ -9,67 +9,48 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use super::FixError;
 use crate::cli::input::is_same_file;
+
+use super::error::FixError;
 
 /// A file that may be written.
 #[derive(Clone, Debug)]
 pub(super) struct Target {
-    /// As the user named it.
+    /// The path as the user named it.
     pub(super) path: PathBuf,
-    /// Where it is in the end: links are followed, so that they stay links.
+    /// The path with links resolved, so that a link is kept and its file replaced.
     place: PathBuf,
     overwrite: bool,
 }
 
 impl Target {
-    /// Checks that a file may be written to `path`: no file of `inputs`, however spelt or linked, and an existing file only with
-    /// `overwrite`.
+    /// Checks that `path` may be written: it leads to no file of `inputs` through any spelling or link, and to an
+    /// existing file only with `overwrite`.
+    ///
+    /// # Errors
+    /// [`FixError::Target`].
     pub(super) fn new(path: PathBuf, inputs: &[&Path], overwrite: bool) -> Result<Self, FixError> {
         let error = |reason: String| FixError::Target { path: path.clone(), reason };
         if inputs.iter().any(|input| is_same_file(&path, input)) {
             return Err(error("is an input, and inputs are never overwritten".into()));
         }
         let place = match fs::symlink_metadata(&path) {
-            Ok(_) => {
-                let metadata =
-                    fs::metadata(&path).map_err(|source| error(format!("is a link that leads nowhere: {source}")))?;
-                if metadata.is_dir() {
-                    return Err(error("is a folder".into()));
-                }
-                if !overwrite {
-                    return Err(error("exists; --overwrite replaces it".into()));
-                }
-                if !metadata.is_file() {
-                    return Err(error("is not a regular file".into()));
-                }
-                fs::canonicalize(&path).map_err(|source| error(format!("can't be found: {source}")))?
-            }
-            Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                return Err(error(format!("can't be found: {source}")));
-            }
-            Err(_) => {
-                let name = path.file_name().filter(|_| !has_trailing_slash(&path));
-                let name = name.ok_or_else(|| error("there is no such folder".into()))?;
-                let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-                let folder = fs::canonicalize(folder)
-                    .ok()
-                    .filter(|folder| folder.is_dir())
-                    .ok_or_else(|| error(format!("there is no folder {}", folder.display())))?;
-                folder.join(name)
-            }
-        };
+            Ok(_) => existing_place(&path, overwrite),
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(format!("can't be found: {source}")),
+            Err(_) => new_place(&path),
+        }
+        .map_err(error)?;
         Ok(Self { path, place, overwrite })
     }
 
-    /// Whether two names end in one file.
+    /// Whether two targets are the same file.
     pub(super) fn is_same_place(&self, other: &Self) -> bool {
-        // Where the system tells upper from lower case it costs nothing to refuse such a pair.
+        // Names that differ in case only are the same file on some systems; refusing them on the others costs little.
         let name = |target: &Self| target.place.to_string_lossy().to_lowercase();
         name(self) == name(other)
     }
 
-    /// Writes a temporary file beside the place and brings it to the disk. It goes away when dropped.
+    /// Writes a temporary file beside the place and synchronises it to the disk. It is removed when dropped.
     pub(super) fn stage(&self, write: impl FnOnce(&mut dyn Write) -> Result<(), FixError>) -> Result<Staged, FixError> {
         let failed = |source: io::Error| self.failed(&source);
         let folder = self.place.parent().unwrap_or(Path::new("/"));
@@ -78,7 +59,7 @@ impl Target {
         let file = tempfile::Builder::new()
             .prefix(".untangled-")
             .suffix(&extension)
-            // What a new file has, less what the user's mask takes away.
+            // The permissions of a new file, before the user's umask.
             .permissions(fs::Permissions::from_mode(0o666))
             .tempfile_in(folder)
             .map_err(failed)?;
@@ -99,11 +80,37 @@ impl Target {
     }
 }
 
+/// The place of an existing file, if it may be replaced.
+fn existing_place(path: &Path, overwrite: bool) -> Result<PathBuf, String> {
+    let metadata = fs::metadata(path).map_err(|source| format!("is a link that leads nowhere: {source}"))?;
+    if metadata.is_dir() {
+        return Err("is a folder".into());
+    }
+    if !overwrite {
+        return Err("exists; --overwrite replaces it".into());
+    }
+    if !metadata.is_file() {
+        return Err("is not a regular file".into());
+    }
+    fs::canonicalize(path).map_err(|source| format!("can't be found: {source}"))
+}
+
+/// The place of a file that does not exist, in a folder that does.
+fn new_place(path: &Path) -> Result<PathBuf, String> {
+    let name = path.file_name().filter(|_| !has_trailing_slash(path)).ok_or("there is no such folder")?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = fs::canonicalize(folder)
+        .ok()
+        .filter(|folder| folder.is_dir())
+        .ok_or_else(|| format!("there is no folder {}", folder.display()))?;
+    Ok(folder.join(name))
+}
+
 fn has_trailing_slash(path: &Path) -> bool {
     path.as_os_str().as_encoded_bytes().ends_with(b"/")
 }
 
-/// A whole file beside its place.
+/// A complete temporary file beside its place.
 #[derive(Debug)]
 pub(super) struct Staged {
     file: NamedTempFile,
@@ -111,18 +118,19 @@ pub(super) struct Staged {
 }
 
 impl Staged {
-    /// Where it is now.
+    /// Its current path.
     pub(super) fn path(&self) -> &Path {
         self.file.path()
     }
 
-    /// Puts it into its place, in one step.
+    /// Renames the file to its place, which is one step.
     pub(super) fn persist(self) -> Result<(), FixError> {
         let Self { file, target } = self;
-        // What came into being since the first check is not replaced either.
+        // A file that was created since the check in `new` is not replaced without `overwrite`.
         let result = if target.overwrite { file.persist(&target.place) } else { file.persist_noclobber(&target.place) };
         result.map_err(|error| target.failed(&error.error))?;
-        // The name is on the disk only with its folder. Not all file systems let a folder be synchronised, and then nothing more can be done.
+        // The new name is on the disk only after its folder is synchronised. Not all file systems allow that, so errors
+        // are ignored.
         let folder = target.place.parent().and_then(|folder| File::open(folder).ok());
         folder.map(|folder| folder.sync_all());
         Ok(())

@@ -1,18 +1,23 @@
-//! The repair with a solver that does what a test asks of it.
+//! The repair with substitutes for the solver.
 
 #![expect(clippy::float_cmp, reason = "coordinates must come back as the same bits")]
 
-use std::ops::ControlFlow;
+use std::{fs, ops::ControlFlow};
 
-use super::*;
+use untangle::{
+    mesh::Mesh,
+    relax::{BlockedPath, Effort, Iteration, Method, RelaxSettings, Relaxation},
+};
 use untangled_mesh_io::read_mesh;
-use untangle::{mesh::Mesh, relax::{BlockedPath, Iteration, Method, Relaxation}};
+
+use super::{Blocked, Distortion, FixArgs, QualityArg, fix, terminal::Interrupt};
 
 const FLOOR: &str = "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n";
 const SPIKE: &str = "v 1 1 0.5\nv 1 1.5 3\nv 1.5 1 3\nf 1 2 3\n";
 /// Both of them in single precision; the floor rises by one last place.
-const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
-property list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n\
+1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
 
 const STEP: Iteration = Iteration { num_edge_face_intersections: 1, path_length_m: 0.5, method: Method::Push };
 
@@ -54,7 +59,7 @@ fn lift(positions: &[[f64; 3]], z: f64) -> Relaxation {
 }
 
 #[test]
-fn what_the_solver_finds_is_written_and_judged() {
+fn fix_of_a_solved_state_writes_and_reports_it() {
     let (folder, mut args) =
         set_up(&[("floor.obj", FLOOR), ("spike.obj", SPIKE)], &["floor.obj", "spike.obj"], "out.obj");
     args.report = Some(folder.path().join("report.json"));
@@ -87,7 +92,7 @@ fn what_the_solver_finds_is_written_and_judged() {
 }
 
 #[test]
-fn a_state_that_the_file_can_not_hold_is_relaxed_again() {
+fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
     let (_folder, args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
     let mut rounds = Vec::new();
     let mut solver = |_: &Mesh,
@@ -96,7 +101,7 @@ fn a_state_that_the_file_can_not_hold_is_relaxed_again() {
                       _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
         assert!(settings.single_precision);
         rounds.push((positions[3][2], settings.max_iterations));
-        // A third of the last place lies over the floor there, but the file holds no such number.
+        // A third of the last place above the floor is clean, but a single can't hold it.
         let height = if rounds.len() < 3 { 1.0 + 0.33 * f64::from(f32::EPSILON) } else { 1.125 };
         Ok(lift(positions, height))
     };
@@ -106,7 +111,7 @@ fn a_state_that_the_file_can_not_hold_is_relaxed_again() {
     assert_eq!((report.num_iterations, report.history.len()), (3, 3));
     assert_eq!(read_mesh(&args.out).unwrap().positions()[3], [1.0, 1.0, 1.125]);
 
-    // It ends where the iterations end.
+    // The rounds end when the iterations are used up.
     let (_folder, mut args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
     args.max_iterations = 2;
     let mut never =
@@ -120,7 +125,7 @@ fn a_state_that_the_file_can_not_hold_is_relaxed_again() {
 }
 
 #[test]
-fn what_is_left_is_named_and_worse_than_before_is_not_written() {
+fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
     let files = [("floor.obj", FLOOR), ("spike.obj", SPIKE)];
     let (_folder, args) = set_up(&files, &["floor.obj", "spike.obj"], "out.obj");
     let reason = BlockedPath {
@@ -161,16 +166,16 @@ fn what_is_left_is_named_and_worse_than_before_is_not_written() {
 }
 
 #[test]
-fn an_interruption_leaves_nothing() {
+fn fix_when_interrupted_writes_nothing() {
     let (folder, args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
     let mut interrupt = Interrupt::default();
-    let hand = interrupt.hand();
+    let flag = interrupt.flag();
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       _: &RelaxSettings,
                       progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
         assert!(progress(&STEP).is_continue());
-        hand.store(true, std::sync::atomic::Ordering::Relaxed);
+        flag.store(true, std::sync::atomic::Ordering::Relaxed);
         assert!(progress(&STEP).is_break());
         Ok(Relaxation { interrupted: true, ..lift(positions, 1.25) })
     };
@@ -180,7 +185,7 @@ fn an_interruption_leaves_nothing() {
 }
 
 #[test]
-fn vertices_that_a_file_holds_fast_must_be_pinned() {
+fn fix_of_fixed_vertices_requires_them_to_be_pinned() {
     let text = PLY.replace("float", "int").replace("1.00000011920928955", "1").replace("0.5", "0").replace("1.5", "2");
     let (folder, mut args) = set_up(&[("in.ply", &text), ("pins.txt", "0 1 2\n3 4 5")], &["in.ply"], "out.ply");
     let mut calls = 0;
@@ -191,7 +196,9 @@ fn vertices_that_a_file_holds_fast_must_be_pinned() {
             Ok(result(positions.to_vec()))
         };
     let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
-    assert!(error.ends_with("out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; write .obj or .ply, or pin these vertices"), "{error}");
+    let expected = "out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; \
+                    write .obj or .ply, or pin these vertices";
+    assert!(error.ends_with(expected), "{error}");
     args.pin = Some(folder.path().join("pins.txt"));
     let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
     assert!(!report.clean && calls == 1);
@@ -199,7 +206,7 @@ fn vertices_that_a_file_holds_fast_must_be_pinned() {
 }
 
 #[test]
-fn edges_without_length_have_no_ratio() {
+fn distortion_of_edges_without_length_has_no_ratio() {
     let faces = vec![[0, 1, 2]];
     let mesh = Mesh::new(untangle::mesh::MeshDescription { num_vertices: 3, faces, ..Default::default() }).unwrap();
     let point = [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];

@@ -1,7 +1,7 @@
 //! A font of capital letters, 5 x 7 pixels each.
 
-/// The pixels of a line of text, `(column, row)` from its upper left corner. Small letters are drawn as capitals, characters that the font does not
-/// have as blanks.
+/// The pixels of a line of text, `(column, row)` from its upper left corner. Lower-case letters are drawn as capitals,
+/// characters outside of the font as blanks.
 pub(super) fn pixels(text: &str) -> impl Iterator<Item = (usize, usize)> {
     text.chars().enumerate().flat_map(|(position, character)| {
         let rows = glyph(character.to_ascii_uppercase());

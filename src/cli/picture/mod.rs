@@ -1,11 +1,22 @@
 //! Pictures of a cloth and its intersections, drawn in software: no GPU, no window.
 //!
-//! The cloth is shaded on both sides, inside regions are tinted, and intersection paths are drawn on top, each in the colour of its
-//! type; where the cloth hides a path, it shines through faintly. A [`View`] made from one state serves for others too, so that
-//! pictures of before and after can be laid over each other.
+//! The cloth is shaded on both sides, inside regions are tinted, and intersection paths (contours) are drawn on top,
+//! each in the colour of its type, faint where cloth hides them. One [`View`] serves for several states, so that
+//! pictures of before and after can be compared pixel by pixel.
+//!
+//! Each module uses those above it in this table only.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | `theme`, `font`, `view` | colours, letters, projection |
+//! | `canvas` | samples with a depth buffer |
+//! | `light` | shading |
+//! | `raster`, `occlusion`, `paths` | triangles, contact shadows, intersection paths |
 
+mod canvas;
 mod font;
 mod light;
+mod occlusion;
 mod paths;
 mod raster;
 mod theme;
@@ -19,7 +30,10 @@ use untangle::{analysis::Analysis, frame::Frame, mesh::Mesh};
 
 pub use view::View;
 
-use raster::{Canvas, Corner};
+use super::wording::count_path_pairs;
+use canvas::Canvas;
+use raster::Corner;
+use theme::Colour;
 
 /// Samples along each side of a pixel.
 const SUPERSAMPLING: usize = 3;
@@ -31,9 +45,6 @@ pub struct Picture {
     height: usize,
     rgb: Vec<u8>,
 }
-
-/// A colour, linear enough for cloth: red, green and blue from 0 to 1.
-type Colour = Vector3<f32>;
 
 impl Picture {
     /// Draws one state of a cloth.
@@ -55,9 +66,9 @@ impl Picture {
                 normal: view.turn(normals[vertex.index()]),
                 inside: f64::from(u8::from(tints[vertex.index()].is_some())),
             });
-            canvas.triangle(corners, [base, base.lerp(&tint, 0.62)]);
+            raster::triangle(&mut canvas, corners, [base, base.lerp(&tint, 0.62)]);
         }
-        light::occlude(&mut canvas, SUPERSAMPLING);
+        occlusion::occlude(&mut canvas, SUPERSAMPLING);
         paths::draw(&mut canvas, view, analysis, SUPERSAMPLING);
         let mut picture = Self::resolved(&canvas, view);
         picture.legend(analysis, title);
@@ -73,7 +84,7 @@ impl Picture {
     /// Writes the picture as PNG.
     ///
     /// # Errors
-    /// What the system or the encoder says.
+    /// The error of the system or of the encoder.
     pub fn write_png(&self, path: &Path) -> Result<(), png::EncodingError> {
         let dimension = |length: usize| u32::try_from(length).map_err(|_| png::EncodingError::LimitsExceeded);
         let file = BufWriter::new(File::create(path)?);
@@ -85,7 +96,7 @@ impl Picture {
         writer.finish()
     }
 
-    /// Averages the samples of each pixel over the background.
+    /// Averages the samples of each pixel, with the background where nothing is drawn.
     fn resolved(canvas: &Canvas, view: &View) -> Self {
         let (width, height) = (view.width(), view.height());
         let mut rgb = Vec::with_capacity(width * height * 3);
@@ -107,13 +118,13 @@ impl Picture {
         Self { width, height, rgb }
     }
 
-    /// Writes the title and, for each type that occurs, its colour, name and count.
+    /// Draws the title and, for each type that occurs, its colour, name and count.
     fn legend(&mut self, analysis: &Analysis, title: &str) {
         const MARGIN: usize = 24;
         const LINE: usize = 30;
         self.text(MARGIN, MARGIN, title, theme::INK);
         let mut y = MARGIN + LINE + 8;
-        for (pair_type, count) in paths::counts(analysis) {
+        for (pair_type, count) in count_path_pairs(analysis) {
             let colour = theme::path(pair_type);
             self.rectangle(MARGIN, y + 4, 28, 8, colour);
             self.text(MARGIN + 40, y, &format!("{} x {count}", pair_type.name()), theme::INK);
@@ -139,7 +150,7 @@ impl Picture {
     }
 }
 
-/// Area-weighted normals, one for each vertex; zero where there is none.
+/// Area-weighted unit normals, one for each vertex; zero at a vertex without a face of positive area.
 fn vertex_normals(mesh: &Mesh, frame: &Frame) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zeros(); mesh.num_vertices()];
     for face in mesh.face_ids() {

@@ -1,23 +1,16 @@
-//! Intersection paths and inside regions in the picture.
+//! Intersection paths and inside regions in a picture.
 
-use std::collections::BTreeMap;
+use nalgebra::{Point3, Vector2};
 
-use nalgebra::Point3;
+use untangle::{analysis::Analysis, mesh::Mesh};
 
-use untangle::{analysis::Analysis, mesh::Mesh, paths::PairType};
+use super::{
+    canvas::{Canvas, centre, samples},
+    theme::{self, Colour},
+    view::View,
+};
 
-use super::{Colour, raster::Canvas, theme, view::View};
-
-/// How many pairs of each type there are.
-pub(super) fn counts(analysis: &Analysis) -> BTreeMap<PairType, usize> {
-    let mut counts = BTreeMap::new();
-    for pair in &analysis.paths.pairs {
-        *counts.entry(pair.pair_type).or_default() += 1;
-    }
-    counts
-}
-
-/// For each vertex the colour of the type of a path that it is inside of, if there is one.
+/// For each vertex the colour of the type of the first path that it is inside of, if any.
 pub(super) fn inside_tints(mesh: &Mesh, analysis: &Analysis) -> Vec<Option<Colour>> {
     let mut tints = vec![None; mesh.num_vertices()];
     for (index, copy) in analysis.paths.copies.iter().enumerate().take(analysis.regions.by_copy.len()) {
@@ -29,7 +22,7 @@ pub(super) fn inside_tints(mesh: &Mesh, analysis: &Analysis) -> Vec<Option<Colou
     tints
 }
 
-/// Draws all paths: strongly where they are seen, faintly where cloth is in front.
+/// Draws all paths, opaque where they are visible and faint where cloth hides them.
 pub(super) fn draw(canvas: &mut Canvas, view: &View, analysis: &Analysis, samples: usize) {
     #[expect(clippy::cast_precision_loss, reason = "a handful of samples")]
     let scale = samples as f64;
@@ -51,7 +44,7 @@ pub(super) fn draw(canvas: &mut Canvas, view: &View, analysis: &Analysis, sample
     }
 }
 
-/// The samples under a line, each once, so that nothing is blended twice.
+/// The samples under a polyline, each once, so that none is blended twice.
 #[derive(Debug)]
 struct Stroke {
     size: [usize; 2],
@@ -70,22 +63,13 @@ impl Stroke {
         }
     }
 
-    /// Marks what lies within `radius` of a segment.
+    /// Marks the samples within `radius` of a segment.
     fn segment(&mut self, p: Point3<f64>, q: Point3<f64>, radius: f64) {
         let (start, along) = (p.coords.xy(), (q - p).xy());
         let length = along.norm_squared();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates; limited to the picture"
-        )]
-        let range = |a: f64, b: f64, count: usize| {
-            ((a.min(b) - radius).max(0.0) as usize).min(count)..((a.max(b) + radius + 1.0).max(0.0) as usize).min(count)
-        };
-        for y in range(p.y, q.y, self.size[1]) {
-            for x in range(p.x, q.x, self.size[0]) {
-                #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand samples a side")]
-                let centre = nalgebra::Vector2::new(x as f64 + 0.5, y as f64 + 0.5);
+        for y in samples(p.y.min(q.y) - radius, p.y.max(q.y) + radius, self.size[1]) {
+            for x in samples(p.x.min(q.x) - radius, p.x.max(q.x) + radius, self.size[0]) {
+                let centre = Vector2::new(centre(x), centre(y));
                 let t = if length > 0.0 { ((centre - start).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
                 let index = y * self.size[0] + x;
                 if (centre - start - along * t).norm() <= radius && !self.is_marked[index] {

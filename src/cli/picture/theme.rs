@@ -1,26 +1,29 @@
-//! Colours and names.
+//! Colours.
+
+use nalgebra::Vector3;
 
 use untangle::paths::PairType;
 
-use super::Colour;
+/// Red, green and blue from 0 to 1. Lighting and blending take them for linear, which is good enough for cloth.
+pub(super) type Colour = Vector3<f32>;
 
 /// Colour of text.
 pub(super) const INK: Colour = Colour::new(0.16, 0.18, 0.22);
 
-/// Colour of a piece of cloth: a few calm ones in turn.
+/// Colour of a piece of cloth: four calm colours in turn.
 pub(super) fn cloth(piece: usize) -> Colour {
     const CLOTHS: [[f32; 3]; 4] = [[0.93, 0.90, 0.84], [0.66, 0.76, 0.86], [0.80, 0.84, 0.76], [0.90, 0.80, 0.76]];
     Colour::from(CLOTHS[piece % CLOTHS.len()])
 }
 
-/// Colour behind everything, in a row of the picture or of its samples.
+/// Colour of the background in a row of the picture or of its samples.
 pub(super) fn background(row: usize, height: usize) -> Colour {
     #[expect(clippy::cast_precision_loss, reason = "pictures have some thousand rows")]
     let part = row as f32 / height.max(1) as f32;
     Colour::new(0.97, 0.97, 0.98).lerp(&Colour::new(0.84, 0.86, 0.89), part)
 }
 
-/// Colour of a type of path; far apart for those that are common together.
+/// Colour of a type of path. Types that often occur together are far apart in colour.
 pub(super) fn path(pair_type: PairType) -> Colour {
     let [r, g, b] = match pair_type {
         PairType::Closed => [0xd7, 0x26, 0x3d],
@@ -39,9 +42,15 @@ pub(super) fn path(pair_type: PairType) -> Colour {
     Colour::new(r, g, b)
 }
 
-/// From a colour to what a file holds.
+/// The bytes of a colour in a file.
 pub(super) fn to_bytes(colour: Colour) -> [u8; 3] {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=255")]
     let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     [byte(colour.x), byte(colour.y), byte(colour.z)]
+}
+
+/// The nearest single: precise enough for colours and for nearness.
+#[expect(clippy::cast_possible_truncation, reason = "colours and nearness need no more than single precision")]
+pub(super) fn single(value: f64) -> f32 {
+    value as f32
 }

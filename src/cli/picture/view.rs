@@ -1,14 +1,14 @@
-//! From where the cloth is seen.
+//! The projection of a picture.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// A parallel projection that shows a bounding box from a little above one of its corners. The thinnest side of the box is taken for
-/// its height: cloth mostly lies.
+/// A parallel projection of a bounding box, seen from a little above one of its corners. The shortest side of the box
+/// is taken for its height, since most cloth lies flat.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Rows: right, up, towards the viewer.
     axes: Matrix3<f64>,
-    /// What is seen in the middle of the picture, in the coordinates of `axes`.
+    /// The place in the middle of the picture, in the coordinates of `axes`.
     centre: Vector3<f64>,
     /// Pixels per metre.
     scale: f64,
@@ -16,10 +16,11 @@ pub struct View {
     height: usize,
 }
 
-/// Angle round the height of the box, and above the horizon, in radians.
+/// Angle about the height of the box, in radians.
 const AZIMUTH: f64 = -0.45;
+/// Angle above the horizon, in radians.
 const ELEVATION: f64 = 0.65;
-/// Part of the picture that stays empty all round, and at the top for the legend.
+/// Part of the picture that stays empty on each side.
 const MARGIN: f64 = 0.05;
 
 impl View {
@@ -81,12 +82,12 @@ impl View {
         self.height
     }
 
-    /// A direction as the viewer sees it: right, up, towards the viewer.
+    /// A direction in the viewer's axes: right, up, towards the viewer.
     pub(super) fn turn(&self, direction: Vector3<f64>) -> Vector3<f64> {
         self.axes * direction
     }
 
-    /// A place in samples from the left and from the top; the third coordinate is the nearness, in samples as well.
+    /// A place in samples from the left and from the top; the third coordinate is the nearness, also in samples.
     pub(super) fn project(&self, position: Point3<f64>, samples: usize) -> Point3<f64> {
         #[expect(clippy::cast_precision_loss, reason = "a handful of samples")]
         let samples = samples as f64;
@@ -110,7 +111,7 @@ fn bounds(points: impl Iterator<Item = Vector3<f64>>) -> (Vector3<f64>, Vector3<
 fn axes(positions: &[Point3<f64>], azimuth: f64, elevation: f64) -> Matrix3<f64> {
     let (low, high) = bounds(positions.iter().map(|position| position.coords));
     let size = high - low;
-    // The last of equals, so that z is the height where nothing speaks against it.
+    // Of equally short sides the last one, so that z is the height of a cube.
     let thinnest = (0..3).fold(2, |best, axis| if size[axis] < size[best] { axis } else { best });
     let height = Vector3::ith(thinnest, 1.0);
     let east = Vector3::ith((thinnest + 1) % 3, 1.0);
@@ -127,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn everything_is_in_the_picture_and_nearer_is_larger() {
+    fn view_of_a_box_shows_it_whole_and_orders_by_nearness() {
         let corners: Vec<_> = (0..8_u8)
             .map(|bits| Point3::new(f64::from(bits & 1) * 3.0, f64::from(bits >> 1 & 1), f64::from(bits >> 2) * 0.5))
             .collect();
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_or_nothing_at_all_is_no_reason_to_divide_by_zero() {
+    fn view_of_one_or_no_point_projects_to_finite_places() {
         assert!(View::of(&[], 10, 10).project(Point3::origin(), 1).coords.norm().is_finite());
         assert!(View::of(&[Point3::origin()], 10, 10).project(Point3::origin(), 1).coords.norm().is_finite());
     }

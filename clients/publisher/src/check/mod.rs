@@ -1,8 +1,9 @@
-//! The judge: an exact test of whether a cloth touches or crosses itself. It shares no code with the untangler.
+//! The judge: an exact test of whether a cloth touches or crosses itself. It shares no code with the untangler, on
+//! purpose, so that a fault of the untangler can't hide itself.
 //!
-//! Tested are all pairs of an edge and a triangle without a common vertex, as closed sets: touching counts. Every decision
-//! is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*; nothing is perturbed and
-//! nothing has a tolerance. Candidates come from a sweep along one axis, whose comparisons are exact as well.
+//! Tested are all pairs of an edge and a triangle without a common vertex, as closed sets: touching counts. Every
+//! decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*. There is
+//! no perturbation and no tolerance. Candidates come from a sweep along one axis, whose comparisons are exact too.
 
 mod primitive;
 #[cfg(test)]
@@ -10,8 +11,7 @@ mod tests;
 
 use thiserror::Error;
 
-/// A position in metres.
-pub type Point = [f64; 3];
+pub use primitive::Point;
 
 /// A cloth that can't be judged.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -40,7 +40,8 @@ pub struct EdgeFaceHit {
     pub triangle: u32,
 }
 
-/// Number of pairs of an edge and a triangle that share no vertex and have a point in common. Zero is what "clean" means.
+/// Number of pairs of an edge and a triangle that share no vertex and have a point in common. Zero is what "clean"
+/// means.
 ///
 /// # Errors
 /// [`CheckError`], naming the vertex or triangle at fault.
@@ -92,8 +93,8 @@ pub fn edge_face_hits(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Vec
     Ok(hits)
 }
 
-/// Pairs of triangles that an edge-face hit makes touch or cross, lower index first, ascending. Pairs that share one vertex are
-/// among them where they meet beyond it.
+/// Pairs of triangles that an edge-face hit makes touch or cross, lower index first, ascending. Pairs that share one
+/// vertex are among them where they meet beyond it.
 #[must_use]
 pub fn face_pairs(hits: &[EdgeFaceHit], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut by_edge: Vec<([u32; 2], u32)> = (0..)

@@ -2,12 +2,13 @@
 
 use robust::{Coord, Coord3D};
 
-use super::Point;
+/// A position in metres.
+pub type Point = [f64; 3];
 
 type Point2 = [f64; 2];
 
-/// Whether a segment and a triangle have a point in common. Either may be degenerate: a segment of no length, a triangle of no
-/// area.
+/// Whether a segment and a triangle have a point in common. Either may be degenerate: a segment of no length, a
+/// triangle of no area.
 pub(super) fn segment_meets_triangle([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
     let Some(dropped) =
         (0..3).find(|&axis| orient2d(project(a, axis), project(b, axis), project(c, axis)) != Sign::Zero)
@@ -21,8 +22,8 @@ pub(super) fn segment_meets_triangle([p, q]: [Point; 2], [a, b, c]: [Point; 3]) 
             segment_meets_triangle_in_plane([p, q], [a, b, c])
         }
         (at_p, at_q) if at_p == at_q => false,
-        // The line meets the plane in one point, and that lies in the segment. It lies in the triangle unless the line passes
-        // on different sides of two of the triangle's sides.
+        // The line meets the plane in one point, and that lies in the segment. It lies in the triangle unless the line
+        // passes on different sides of two of the triangle's sides.
         _ => {
             let turns = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
             !(turns.contains(&Sign::Positive) && turns.contains(&Sign::Negative))
@@ -40,8 +41,8 @@ fn segment_meets_triangle_in_plane([p, q]: [Point2; 2], [a, b, c]: [Point2; 3]) 
 
 /// Whether two segments in space have a point in common.
 ///
-/// Points in one plane keep their incidences in at least one of the three projections (the one in which the plane has an
-/// area; any, for points on one line that is not seen end on), and a common point is common in every projection.
+/// Points in one plane keep their incidences in at least one of the three projections (the one in which the plane has
+/// an area; any, for points on one line that is not seen end on), and a common point is common in every projection.
 fn segments_meet([p, q]: [Point; 2], [a, b]: [Point; 2]) -> bool {
     orient3d(p, q, a, b) == Sign::Zero
         && (0..3).all(|axis| {
@@ -52,7 +53,8 @@ fn segments_meet([p, q]: [Point; 2], [a, b]: [Point; 2]) -> bool {
 fn segments_meet_in_plane([p, q]: [Point2; 2], [a, b]: [Point2; 2]) -> bool {
     let boxes_overlap =
         (0..2).all(|axis| p[axis].min(q[axis]) <= a[axis].max(b[axis]) && a[axis].min(b[axis]) <= p[axis].max(q[axis]));
-    // Neither segment lies strictly on one side of the other's line. With overlapping boxes this suffices, on one line too.
+    // Neither segment lies strictly on one side of the other's line. With overlapping boxes this suffices, on one line
+    // too.
     let straddles = |one: Sign, other: Sign| one != other || one == Sign::Zero;
     boxes_overlap && straddles(orient2d(p, q, a), orient2d(p, q, b)) && straddles(orient2d(a, b, p), orient2d(a, b, q))
 }

@@ -17,7 +17,7 @@ fn meets(p: Point, q: Point) -> bool {
 }
 
 #[test]
-fn a_segment_through_beside_and_above_a_triangle() {
+fn segment_meets_triangle_only_when_it_passes_through() {
     assert!(meets([0.2, 0.2, -1.0], [0.2, 0.2, 1.0]));
     assert!(!meets([0.8, 0.8, -1.0], [0.8, 0.8, 1.0]));
     assert!(!meets([0.2, 0.2, 1e-300], [0.2, 0.2, 1.0]));
@@ -25,7 +25,7 @@ fn a_segment_through_beside_and_above_a_triangle() {
 }
 
 #[test]
-fn touching_counts_at_every_feature() {
+fn segment_meets_triangle_when_it_touches_any_feature() {
     let below = [0.3, 0.3, -1.0];
     for on in [[0.2, 0.2, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]] {
         assert!(meets(below, on), "ends in {on:?}");
@@ -37,7 +37,7 @@ fn touching_counts_at_every_feature() {
 }
 
 #[test]
-fn coplanar_segments_are_decided_in_the_plane() {
+fn segment_meets_triangle_decides_coplanar_segments_in_the_plane() {
     assert!(meets([0.1, 0.1, 0.0], [0.2, 0.2, 0.0]), "inside");
     assert!(meets([-1.0, 0.2, 0.0], [2.0, 0.2, 0.0]), "across");
     assert!(meets([-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]), "ends in a corner");
@@ -47,7 +47,7 @@ fn coplanar_segments_are_decided_in_the_plane() {
 }
 
 #[test]
-fn degenerate_input_is_answered_as_the_set_it_is() {
+fn segment_meets_triangle_takes_degenerate_triangles_as_point_sets() {
     let needle = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]];
     assert!(segment_meets_triangle([[1.5, 1.5, 0.0], [1.5, 1.5, 2.0]], needle));
     assert!(!segment_meets_triangle([[1.5, 1.4, 0.0], [1.5, 1.4, 2.0]], needle));
@@ -60,7 +60,7 @@ fn degenerate_input_is_answered_as_the_set_it_is() {
 }
 
 #[test]
-fn bad_input_is_named() {
+fn count_edge_face_of_bad_input_names_vertex_or_triangle() {
     let nan = [[0.0; 3], [0.0, f64::NAN, 0.0], [1.0; 3]];
     assert_eq!(count_edge_face(&nan, &[[0, 1, 2]]), Err(CheckError::NotFinite(1)));
     let expected = CheckError::Index { triangle: 0, vertex: 7, num_vertices: 3 };
@@ -68,7 +68,7 @@ fn bad_input_is_named() {
 }
 
 #[test]
-fn the_sweep_finds_what_brute_force_finds() {
+fn edge_face_hits_equal_brute_force_on_a_lattice() {
     let mut found = 0;
     for seed in 0..20 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -97,7 +97,7 @@ fn the_sweep_finds_what_brute_force_finds() {
 }
 
 #[test]
-fn a_pair_that_shares_a_vertex_counts_when_it_crosses_beyond() {
+fn face_pairs_count_triangles_that_share_a_vertex_and_cross() {
     let positions = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.2, -1.0], [0.2, 1.0, 1.0]];
     let triangles = [[0, 1, 2], [0, 3, 4]];
     let hits = edge_face_hits(&positions, &triangles).unwrap();
@@ -106,7 +106,7 @@ fn a_pair_that_shares_a_vertex_counts_when_it_crosses_beyond() {
 }
 
 #[test]
-fn shared_data_where_it_exists() {
+fn face_pairs_of_shared_meshes_have_known_numbers() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
     for (file, expected) in [("tshirt_trifold_3k7.obj", 117), ("tshirt_rest_3k7.obj", 0), ("unisex_shirt_12k7.obj", 0)]
     {

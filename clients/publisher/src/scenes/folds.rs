@@ -1,14 +1,14 @@
-//! One sheet, folded over, whose layers have changed places in a part of the fold.
+//! One folded sheet whose layers have passed through each other in a part of the fold.
 //!
-//! The surface is `f(u, v) = (phi(u), v, a tanh(u / e) g(phi(u), v))` with an even `phi`: the layers `u` and `-u` meet exactly
-//! where `g` is zero, and where that curve reaches the crease `u = 0` there is a loop vertex. So the shape of the curve `g = 0` in the
-//! half-plane `phi >= 0` is the type of the path. Where `g > 0` the layer `u > 0` is on top, as gravity wants it.
-//! The lower layer is held at its three outer sides and a little longer, so that a curve which leaves the upper layer over its
-//! edge ends inside of the lower one.
+//! The surface is `f(u, v) = (phi(u), v, a tanh(u / e) g(phi(u), v))` with an even `phi`: the layers `u` and `-u` meet
+//! exactly where `g` is zero, and where that curve reaches the crease `u = 0` there is a loop vertex. So the shape of
+//! the curve `g = 0` in the half-plane `phi >= 0` is the type of the path. Where `g > 0` the layer `u > 0` is on top,
+//! as gravity wants it. The lower layer is pinned at its three outer sides and is a little longer, so that a curve that
+//! leaves the upper layer over its boundary ends inside of the lower one.
 
 use crate::mesh::{Cloth, Vec3};
 
-use super::{Pin, Sheet};
+use super::sheet::{Pin, Sheet};
 
 const LOWER_M: f64 = 0.3;
 const WIDTH_M: f64 = 0.5;

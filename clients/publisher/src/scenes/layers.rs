@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::mesh::{Cloth, Vec3};
 
-use super::{Pin, Sheet};
+use super::sheet::{Pin, Sheet};
 
 /// Side of the sheet below, in metres.
 const SIDE_M: f64 = 0.5;
@@ -31,8 +31,8 @@ pub(super) fn bag(seed: u64, edge_m: f64) -> Cloth {
     cloth
 }
 
-/// The end of a strip hangs through a taut sheet: BB/II. The strip is held at its other end and bows down, at constant curvature
-/// and without stretch.
+/// The end of a strip hangs through a taut sheet: BB/II. The strip is held at its other end and bows down, at constant
+/// curvature and without stretch.
 pub(super) fn tongue(seed: u64, edge_m: f64) -> Cloth {
     const LENGTH_M: f64 = 0.4;
     const WIDTH_M: f64 = 0.2;

@@ -1,8 +1,8 @@
-//! Tangled scenes to start from, the same for the same seed: one for each type of intersection path in Wicke, Lanker and Gross
-//! (2006), and several side by side.
+//! Tangled scenes to start from, the same for the same seed: one for each type of intersection path in Wicke, Lanker
+//! and Gross (2006), and several side by side.
 //!
-//! Each tangle is held: the cloth is pinned and gravity attractions it further in, so that it does not fall out by itself. The rest shape of
-//! every sheet is flat, and its texture coordinates are the rest shape, in metres.
+//! Each tangle is held: the cloth is pinned and gravity drives it further in, so that it stays tangled without
+//! corrections. The rest shape of every sheet is flat, and its texture coordinates are the rest shape, in metres.
 
 mod folds;
 mod layers;
@@ -37,7 +37,7 @@ pub enum Scene {
     Gallery,
 }
 
-/// A name that belongs to no scene.
+/// A name of no scene.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("there is no scene `{0}`; there are bag, tongue, curtains, crease, twist, drop, wedge and gallery")]
 pub struct UnknownScene(pub String);
@@ -80,7 +80,7 @@ impl Scene {
     }
 }
 
-/// What the demonstration shows, in two rows.
+/// The scenes of the demonstration, in two rows, each with its place in metres.
 const GALLERY: [(Scene, [f64; 2]); 7] = [
     (Scene::Bag, [0.0, 0.0]),
     (Scene::Tongue, [0.65, 0.0]),
@@ -105,7 +105,7 @@ mod tests {
     use crate::check::count_edge_face;
 
     #[test]
-    fn every_scene_is_tangled_held_and_the_same_again() {
+    fn build_of_every_scene_is_tangled_pinned_and_reproducible() {
         for name in Scene::SINGLE.into_iter().chain(["gallery"]) {
             let scene: Scene = name.parse().unwrap();
             let cloth = scene.build(3, 0.04);

@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::mesh::{Cloth, Uvs, Vec3};
 
-/// What holds a sheet.
+/// The pinned vertices of a sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Pin {
-    /// Nothing.
+    /// None.
     #[default]
     Nothing,
     /// The whole boundary.
@@ -31,7 +31,7 @@ pub struct Sheet {
     pin: Pin,
 }
 
-/// How far a vertex inside a sheet stands from its place in the grid, in cells: so that no two sheets are aligned.
+/// Largest offset of an inner vertex from its place in the grid, in cells, so that no two sheets are aligned.
 const JITTER: f64 = 0.15;
 
 impl Sheet {
@@ -43,7 +43,7 @@ impl Sheet {
         Self { width_m, height_m, columns: cells(width_m), rows: cells(height_m), pin: Pin::Nothing }
     }
 
-    /// The same sheet, held.
+    /// The same sheet with pins.
     #[must_use]
     pub fn pinned(self, pin: Pin) -> Self {
         Self { pin, ..self }
@@ -55,8 +55,8 @@ impl Sheet {
         Self { columns: self.columns.next_multiple_of(2), rows: self.rows.next_multiple_of(2), ..self }
     }
 
-    /// Puts the sheet into the world by a map from its `u` in `0..=width` and `v` in `0..=height`. The grid is jittered inside, and
-    /// the diagonals are drawn by lot.
+    /// Puts the sheet into the world by a map from its `u` in `0..=width` and `v` in `0..=height`. The grid is jittered
+    /// inside, and the diagonals are random.
     #[must_use]
     pub fn build(self, seed: u64, map: impl Fn(f64, f64) -> Vec3) -> Cloth {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -65,7 +65,7 @@ impl Sheet {
         for row in 0..=self.rows {
             for column in 0..=self.columns {
                 let inside = column > 0 && column < self.columns && row > 0 && row < self.rows;
-                // The middle stays in its place: scenes put loop vertices there.
+                // The middle is not jittered, since scenes put loop vertices there.
                 let middle = 2 * column == self.columns && 2 * row == self.rows;
                 let mut jitter = || rng.random_range(-JITTER..JITTER) * f64::from(u8::from(inside && !middle));
                 let u = (f64::from(column) + jitter()) / f64::from(self.columns) * self.width_m;

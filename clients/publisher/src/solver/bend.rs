@@ -1,9 +1,10 @@
 //! Hinges keep their angle: isometric bending (Bergou, Wardetzky, Harmon, Zorin and Grinspun 2006).
 //!
-//! With cotangent weights `k` the vector `L = sum k_i x_i` over the four vertices of a hinge vanishes when it is flat, and has the
-//! length `2 |e| sin(angle / 2)` when it is bent; the energy is `3 B / (2 A) |L|^2`. Since `L` is linear in the positions, `L` itself
-//! can serve as a constraint of three components with the same gradient in each, and one multiplier solves it exactly.
-//! A hinge that is bent at rest keeps the length of `L`, not its direction: so a turn of the whole cloth costs nothing.
+//! With cotangent weights `k` the vector `L = sum k_i x_i` over the four vertices of a hinge vanishes when it is flat,
+//! and has the length `2 |e| sin(angle / 2)` when it is bent; the energy is `3 B / (2 A) |L|^2`. Since `L` is linear in
+//! the positions, `L` itself can serve as a constraint of three components with the same gradient in each, which one
+//! multiplier solves exactly. A hinge that is bent at rest keeps the length of `L`, not its direction, so that a
+//! rotation of the whole cloth has no energy.
 
 use crate::mesh::{Cloth, Vec3};
 
@@ -23,7 +24,7 @@ pub(super) struct Bend {
 }
 
 impl Bend {
-    /// Hinges with a triangle of (nearly) no area are left out: their cotangents are not numbers to work with.
+    /// Hinges with a triangle of (nearly) no area are left out, since their cotangents are not finite.
     pub(super) fn new(cloth: &Cloth, stiffness_n_m: f64) -> Self {
         let hinges = cloth
             .hinges()
@@ -65,7 +66,7 @@ fn weighted_sum(weights: &[f64; 4], x: [Vec3; 4]) -> Vec3 {
     weights.iter().zip(x).map(|(&weight, x)| x * weight).sum()
 }
 
-/// The weights of the four vertices and the area of the two triangles; nothing where a triangle has no area to speak of.
+/// The weights of the four vertices and the area of the two triangles; `None` where a triangle has (nearly) no area.
 fn weights([a, b, c, d]: [Vec3; 4]) -> Option<([f64; 4], f64)> {
     let cotangent = |at: Vec3, p: Vec3, q: Vec3| {
         let (p, q) = (p - at, q - at);
@@ -83,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flat_hinge_has_none_and_a_bent_one_has_the_length_of_the_paper() {
+    fn weighted_sum_of_a_hinge_is_zero_when_flat_and_the_paper_s_length_when_bent() {
         let (a, b) = (Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, 2.0, 0.0));
         let flat = [a, b, Vec3::new(-1.0, 0.7, 0.0), Vec3::new(1.5, 1.2, 0.0)];
         let (k, _) = weights(flat).unwrap();

@@ -1,7 +1,7 @@
-//! Self-contact: vertices keep off triangles, and edges off edges.
+//! Self-contact: vertices stay off triangles, and edges off edges.
 //!
-//! The side is decided anew in each step, by where things are at its start, without any memory: contact defends what it finds,
-//! a tangle too. That is what makes the mask necessary: a pair with a masked vertex in it is left alone.
+//! Each step takes the side of a pair from the positions at its start, without any memory, so contact preserves a
+//! tangle as well. That is why a host needs the mask: pairs with a masked vertex are left out.
 
 use crate::mesh::{Cloth, Vec3};
 
@@ -20,7 +20,7 @@ struct Contact {
 #[derive(Clone, Debug)]
 pub(super) struct Contacts {
     thickness_m: f64,
-    /// How far two features may be apart and yet meet within the step.
+    /// Largest distance of two features that may meet within the step.
     range_m: f64,
     cell_m: f64,
     edges: Vec<[u32; 2]>,
@@ -31,8 +31,8 @@ pub(super) struct Contacts {
     found: Vec<u32>,
 }
 
-/// Features nearer than the thickness are moved apart by at most this part of it in each step: a tangle that is let go must not
-/// explode.
+/// Largest part of the thickness by which features that are too near are separated in one step, so that a tangle whose
+/// mask ends does not explode.
 const RECOVERY: f64 = 0.1;
 
 impl Contacts {
@@ -50,7 +50,7 @@ impl Contacts {
         }
     }
 
-    /// Looks for everything that may touch within the coming step.
+    /// Finds all pairs that may touch within the next step.
     pub(super) fn find(&mut self, cloth: &Cloth, masked: &[bool]) {
         self.contacts.clear();
         if self.thickness_m <= 0.0 {
@@ -115,7 +115,7 @@ impl Contacts {
                     continue;
                 }
                 let (one, two) = ([a, b].map(at), edge.map(at));
-                // Parallel edges and ends are left to the vertices.
+                // Parallel edges and contacts at their ends are covered by vertices and triangles.
                 let Some([s, t]) = closest_on_edges(one, two) else { continue };
                 let gap = one[0] + (one[1] - one[0]) * s - (two[0] + (two[1] - two[0]) * t);
                 let fallback = (one[1] - one[0]).cross(&(two[1] - two[0]));
@@ -146,7 +146,7 @@ impl Contacts {
     }
 }
 
-/// A contact across `gap`, or along `fallback` where the gap is nothing; none where it is too wide to matter.
+/// A contact along `gap`, or along `fallback` where the gap is zero; `None` where it is wider than the range.
 fn contact(
     vertices: [u32; 4],
     weights: [f64; 4],
@@ -198,7 +198,7 @@ fn closest_on_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
     }
 }
 
-/// Parameters of the nearest points of two edges, where both lie strictly between the ends; nothing for parallel edges.
+/// Parameters of the nearest points of two edges, if both lie strictly between the ends; `None` for parallel edges.
 fn closest_on_edges([a, b]: [Vec3; 2], [c, d]: [Vec3; 2]) -> Option<[f64; 2]> {
     let (u, v, r) = (b - a, d - c, a - c);
     let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
@@ -217,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nearest_points_beat_a_fine_sampling() {
+    fn closest_on_triangle_is_nearer_than_any_sample() {
         let corners = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(2.0, 0.3, 0.1), Vec3::new(-0.2, 1.1, 0.4)];
         for p in
             [[0.4, 0.3, 1.0], [-1.0, -1.0, 0.5], [3.0, 0.2, 0.0], [1.0, 1.5, -0.4], [0.9, -0.6, 0.2]].map(Vec3::from)
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn crossing_edges_meet_at_their_crossing() {
+    fn closest_on_edges_of_crossing_edges_is_their_crossing() {
         let x = Vec3::x();
         let y = Vec3::y();
         let [s, t] = closest_on_edges([-x, x], [-y * 3.0 + Vec3::z(), y + Vec3::z()]).unwrap();

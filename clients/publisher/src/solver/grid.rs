@@ -47,7 +47,7 @@ impl Grid {
             for_each_cell(aabb, cell_m, |cell| self.entries.push((hash(cell) & self.mask, item)));
         }
         self.entries.sort_unstable();
-        // A box whose cells share a bucket stands in it once.
+        // A box whose cells share a bucket is entered once.
         self.entries.dedup();
         self.starts.clear();
         let mut entry = 0;

@@ -1,9 +1,9 @@
-//! The simulator that this host would have anyway: extended position-based dynamics with small steps.
+//! The simulator of this host: extended position-based dynamics (XPBD) with small steps.
 //!
-//! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez 2016
-//! (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch, hinges
-//! resist bending, and contact keeps the cloth off itself, on whichever side it happens to be, as most simulators do.
-//! Everything is sequential and in a fixed order: the same input gives the same motion.
+//! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez
+//! 2016 (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch,
+//! hinges resist bending, and self-contact keeps each vertex on the side where it is, right or wrong, as in most
+//! simulators. Everything runs sequentially and in a fixed order, so the same input gives the same motion.
 
 mod bend;
 mod contact;
@@ -18,7 +18,7 @@ use bend::Bend;
 use contact::Contacts;
 use stretch::Stretch;
 
-/// What the cloth is made of and what acts on it. SI units.
+/// Material of the cloth and forces on it. SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     /// Gravity in m/s^2.
@@ -35,12 +35,12 @@ pub struct Parameters {
     pub thickness_m: f64,
     /// Substeps of one step.
     pub num_substeps: u32,
-    /// Whether positions are rounded to single precision after each step: then what goes over the wire is the state itself.
+    /// Whether positions are rounded to single precision after each step, so that the wire carries the state exactly.
     pub single_precision: bool,
 }
 
 impl Parameters {
-    /// Light cloth that drapes: what the command line takes where nothing is said.
+    /// Light cloth that drapes: the defaults of the command line.
     #[must_use]
     pub fn of_cloth(cloth: &Cloth, gravity_m_s2: f64) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Parameters {
     }
 }
 
-/// What the untangler asks for, for one step.
+/// The correction of the untangler for one step, in the terms of this solver.
 #[derive(Clone, Copy, Debug)]
 pub struct Help<'a> {
     /// Velocity that each vertex gains over the step, in m/s; empty for none.
@@ -86,7 +86,7 @@ pub struct Solver {
     stretch: Stretch,
     bend: Bend,
     contacts: Contacts,
-    /// Farthest that a vertex may move in a step, in metres: what contact looks ahead.
+    /// Largest displacement of a vertex in a step, in metres; contact looks that far ahead.
     reach_m: f64,
 }
 
@@ -151,7 +151,7 @@ impl Solver {
                 let pushed = help.velocity_change_m_s.get(vertex).copied().unwrap_or_default() * (substep_s / dt_s);
                 let velocity = &mut self.velocities[vertex];
                 *velocity = (*velocity + self.parameters.gravity_m_s2 * substep_s + pushed) * kept;
-                // Contact has looked no farther than this.
+                // Contact was searched no farther than this.
                 let speed = velocity.norm();
                 if speed > fastest_m_s {
                     *velocity *= fastest_m_s / speed;

@@ -17,7 +17,7 @@ impl Stretch {
         Self { edges, rest_lengths_m, compliance_m_n: stiffness_n_m.recip() }
     }
 
-    /// One sweep over all edges. With one iteration in each substep the multipliers start at zero and needn't be kept.
+    /// One sweep over all edges. With one iteration in each substep the multipliers start at zero and are not stored.
     pub(super) fn project(&self, positions: &mut [Vec3], inverse_masses: &[f64], substep_s: f64) {
         let compliance = self.compliance_m_n / (substep_s * substep_s);
         for (&[a, b], &rest_length) in self.edges.iter().zip(&self.rest_lengths_m) {

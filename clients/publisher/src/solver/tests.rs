@@ -27,7 +27,7 @@ fn two_sheets(height: f64) -> Cloth {
 }
 
 #[test]
-fn without_forces_a_sheet_at_rest_stays_where_it_is() {
+fn step_of_a_sheet_at_rest_without_forces_moves_nothing() {
     let cloth = Sheet::new(0.5, 0.5, 0.05).build(1, |u, v| Vec3::new(u, v, 0.0));
     let mut solver = Solver::new(cloth.clone(), parameters(0.0));
     for _ in 0..20 {
@@ -39,7 +39,7 @@ fn without_forces_a_sheet_at_rest_stays_where_it_is() {
 }
 
 #[test]
-fn positions_are_single_precision_only_where_that_was_chosen() {
+fn step_rounds_to_single_precision_only_when_asked() {
     for single_precision in [true, false] {
         let cloth = Sheet::new(0.5, 0.5, 0.05).build(1, |u, v| Vec3::new(u, v, 0.0));
         let mut solver = Solver::new(cloth, Parameters { single_precision, ..parameters(9.81) });
@@ -51,7 +51,7 @@ fn positions_are_single_precision_only_where_that_was_chosen() {
 }
 
 #[test]
-fn contact_carries_a_falling_sheet_and_the_mask_lets_it_through() {
+fn contact_holds_a_falling_sheet_unless_it_is_masked() {
     for masked in [false, true] {
         let mut solver = Solver::new(two_sheets(0.03), parameters(9.81));
         let num_vertices = solver.cloth().positions.len();
@@ -69,7 +69,7 @@ fn contact_carries_a_falling_sheet_and_the_mask_lets_it_through() {
 }
 
 #[test]
-fn contact_defends_a_tangle_as_it_finds_it() {
+fn contact_keeps_a_tangle_that_it_starts_from() {
     // The upper sheet dips through the lower one.
     let dip = |u: f64, v: f64| {
         let r2 = (u - 0.15).powi(2) + (v - 0.15).powi(2);
@@ -85,7 +85,7 @@ fn contact_defends_a_tangle_as_it_finds_it() {
 }
 
 #[test]
-fn help_moves_what_is_free_and_nothing_else() {
+fn help_moves_free_vertices_and_no_pinned_ones() {
     let cloth = Sheet::new(0.5, 0.5, 0.05).pinned(Pin::Boundary).build(1, |u, v| Vec3::new(u, v, 0.0));
     let middle =
         (0..cloth.positions.len()).find(|vertex| !cloth.pins.contains(&u32::try_from(*vertex).unwrap())).unwrap();

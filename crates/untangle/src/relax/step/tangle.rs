@@ -7,7 +7,7 @@ use crate::{
     frame::Frame,
     geometry::perimeter,
     intersect::{Intersections, SegmentEnd},
-    mesh::Mesh,
+    mesh::{FaceId, Mesh},
 };
 
 /// How tangled something is: less is better.

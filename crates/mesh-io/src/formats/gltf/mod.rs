@@ -1,0 +1,25 @@
+//! glTF 2.0, as `.gltf` with its buffers or as `.glb`.
+//!
+//! Read are all triangles of the default scene (else of the first scene, else of all nodes), each mesh transformed by
+//! its node, node by node in the order of the tree. Primitives of a node that use the same accessor of positions share
+//! their vertices. Nothing else is merged, so a mesh that its exporter split along texture seams stays split. Morph
+//! targets and skins are not applied; points and lines are left out. Coordinates are stored in single precision; the
+//! transforms of nodes are applied in double.
+//!
+//! Writing back replaces positions in their buffer, and changes the text only where it must. Positions can be replaced
+//! only where they are one list of singles that one node uses: see `place`.
+
+mod accessor;
+mod buffers;
+mod container;
+mod json;
+mod nodes;
+mod place;
+mod read;
+#[cfg(test)]
+mod tests;
+mod write;
+
+pub(crate) use container::Container;
+pub(crate) use read::parse;
+pub(crate) use write::{Destination, GltfDocument};

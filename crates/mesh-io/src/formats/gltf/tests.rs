@@ -1,0 +1,245 @@
+//! glTF documents as text: read, refused, and written back.
+
+use std::path::Path;
+
+use super::{container::Chunks, parse};
+use crate::{MeshFile, Output, read_mesh};
+
+/// Two primitives over one list of four points, under a node that moves by (10, 0, 0) and whose parent scales by 2.
+fn document(stride: u32, indices: &str, buffer_length: usize) -> String {
+    format!(
+        r#"{{
+        "asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+        "nodes": [{{"scale": [2, 2, 2], "children": [1]}}, {{"translation": [10, 0, 0], "mesh": 0}}],
+        "meshes": [{{"primitives": [
+            {{"attributes": {{"POSITION": 0}}, "indices": 1}},
+            {{"attributes": {{"POSITION": 0}}, "mode": 5}}
+        ]}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}},
+            {indices}
+        ],
+        "bufferViews": [
+            {{"buffer": 0, "byteLength": 48, "byteStride": {stride}}},
+            {{"buffer": 0, "byteOffset": 48, "byteLength": 6}}
+        ],
+        "buffers": [{{"byteLength": {buffer_length}}}]
+    }}"#
+    )
+}
+
+const INDICES: &str = r#"{"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}"#;
+
+fn glb(json: &str, bytes: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bin = bytes.to_vec();
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let word = |value: usize| u32::try_from(value).unwrap().to_le_bytes();
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend(word(12 + 8 + json.len() + 8 + bin.len()));
+    file.extend(word(json.len()));
+    file.extend(b"JSON");
+    file.extend(&json);
+    file.extend(word(bin.len()));
+    file.extend(b"BIN\0");
+    file.extend(&bin);
+    file
+}
+
+fn buffer(indices: [u16; 3]) -> Vec<u8> {
+    let points: [[f32; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., 1., 0.]];
+    let mut bytes: Vec<u8> = points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    bytes.extend(indices.iter().flat_map(|index| index.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn parse_applies_nodes_and_shares_the_vertices_of_an_accessor() {
+    let (parsed, _) = parse(glb(&document(12, INDICES, 54), &buffer([0, 1, 2])), None).unwrap();
+    assert_eq!(parsed.positions, [[20., 0., 0.], [22., 0., 0.], [20., 2., 0.], [22., 2., 0.]]);
+    let faces: Vec<&[u32]> = (0..parsed.polygons.len()).map(|face| parsed.polygons.corners(face)).collect();
+    assert_eq!(faces, [[0, 1, 2], [0, 1, 2], [2, 1, 3]]);
+}
+
+#[test]
+fn parse_of_false_lengths_and_indices_is_an_error() {
+    let error = |json: &str, bytes: &[u8]| parse(glb(json, bytes), None).unwrap_err().to_string();
+    let bytes = buffer([0, 1, 2]);
+    assert_eq!(error(&document(16, INDICES, 54), &bytes), "accessor 0 reaches beyond its buffer");
+    assert_eq!(error(&document(12, INDICES, 5400), &bytes), "ends within buffer 0");
+    let huge = INDICES.replace("\"count\": 3", "\"count\": 4000000000");
+    assert_eq!(error(&document(12, &huge, 54), &bytes), "accessor 1 reaches beyond its buffer");
+    let unbacked = huge.replace(
+        "\"bufferView\": 1, ",
+        r#""sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 1}}, "#,
+    );
+    assert_eq!(error(&document(12, &unbacked, 54), &bytes), "accessor 1 has too many elements without a buffer");
+    assert_eq!(
+        error(&document(12, INDICES, 54), &buffer([0, 1, 9])),
+        "mesh 0, primitive 0 refers to vertex 9, but only 4 are defined"
+    );
+    let cycle = document(12, INDICES, 54).replace("\"mesh\": 0", "\"children\": [0]");
+    assert_eq!(error(&cycle, &bytes), "node 0 has more than one parent");
+}
+
+/// A document as a file, read.
+fn read(folder: &Path, name: &str, content: &[u8]) -> MeshFile {
+    let path = folder.join(name);
+    std::fs::write(&path, content).unwrap();
+    read_mesh(path).unwrap()
+}
+
+fn write(file: &MeshFile, path: &Path, positions: &[[f64; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    Output::new(std::slice::from_ref(file), path).unwrap().write(positions, &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn output_of_moved_glb_changes_positions_and_bounds_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
+    // A chunk of an unknown extension.
+    source.extend(b"\x04\0\0\0MINEdata");
+    let length = u32::try_from(source.len()).unwrap();
+    source[8..12].copy_from_slice(&length.to_le_bytes());
+    let file = read(folder.path(), "a.glb", &source);
+    assert!(file.fixed_vertices().is_empty() && !file.is_single_precision());
+    assert_eq!(write(&file, &folder.path().join("b.glb"), file.positions()), source);
+
+    let mut moved = file.positions().to_vec();
+    moved[3] = [23.0, 2.5, -0.25];
+    let bytes = write(&file, &folder.path().join("b.glb"), &moved);
+    let again = read(folder.path(), "b.glb", &bytes);
+    assert_eq!(again.positions(), moved);
+    assert_eq!(again.faces(), file.faces());
+    assert!(bytes.ends_with(b"\x04\0\0\0MINEdata"));
+    let chunk = |bytes: &[u8]| {
+        let chunks = Chunks::find(bytes).unwrap();
+        let json = String::from_utf8(bytes[chunks.json].to_vec()).unwrap();
+        (json.trim_end().to_owned(), bytes[chunks.binary.unwrap()].to_vec())
+    };
+    let ((json, binary), (new_json, new_binary)) = (chunk(&source), chunk(&bytes));
+    let expected = json.replace("[0, 0, 0], \"max\": [1, 1, 0]", "[0,0,-0.125], \"max\": [1.5,1.25,0]");
+    assert_eq!(new_json, expected);
+    let different: Vec<usize> = (0..binary.len()).filter(|&at| binary[at] != new_binary[at]).collect();
+    assert!(binary.len() == new_binary.len() && different.iter().all(|at| (36..48).contains(at)), "{different:?}");
+    // Moved back, only the spelling of the bounds differs.
+    let back = write(&again, &folder.path().join("c.glb"), file.positions());
+    assert_eq!(chunk(&back).1, binary);
+}
+
+#[test]
+fn output_embeds_linked_buffers_that_changed_or_would_be_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    std::fs::write(folder.path().join("cloth 1.bin"), buffer([0, 1, 2])).unwrap();
+    let text =
+        document(12, INDICES, 54).replace("{\"byteLength\": 54}", "{\"uri\": \"cloth%201.bin\", \"byteLength\": 54}");
+    let file = read(folder.path(), "a.gltf", text.as_bytes());
+    let sources: Vec<_> = file.source_files().collect();
+    assert_eq!(sources, [folder.path().join("a.gltf"), folder.path().join("cloth 1.bin")]);
+
+    let path = folder.path().join("b.gltf");
+    assert_eq!(write(&file, &path, file.positions()), text.as_bytes());
+    let embedded = String::from_utf8(write(&file, &elsewhere.join("b.gltf"), file.positions())).unwrap();
+    assert!(embedded.contains("\"uri\": \"data:application/octet-stream;base64,"), "{embedded}");
+    assert_eq!(read(&elsewhere, "b.gltf", embedded.as_bytes()).positions(), file.positions());
+
+    let mut moved = file.positions().to_vec();
+    moved[0][1] = -8.0;
+    let changed = String::from_utf8(write(&file, &path, &moved)).unwrap();
+    assert!(changed.contains("\"min\": [0,-4,0]") && !changed.contains(".bin"), "{changed}");
+    let again = read(folder.path(), "b.gltf", changed.as_bytes());
+    assert_eq!(again.positions(), moved);
+    assert_eq!(again.source_files().count(), 1);
+    // An embedded buffer changes in the text.
+    assert_eq!(write(&again, &path, &moved), changed.as_bytes());
+    let twice = write(&again, &path, file.positions());
+    assert_eq!(read(folder.path(), "c.gltf", &twice).positions(), file.positions());
+    // The buffer of the input is unchanged.
+    assert_eq!(std::fs::read(folder.path().join("cloth 1.bin")).unwrap(), buffer([0, 1, 2]));
+}
+
+#[test]
+fn output_converts_gltf_to_glb_and_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
+    let file = read(folder.path(), "a.glb", &source);
+    let mut moved = file.positions().to_vec();
+    moved[2][2] = 4.0;
+    for positions in [file.positions(), &moved] {
+        let text = write(&file, &folder.path().join("b.gltf"), positions);
+        assert!(text.starts_with(b"{"));
+        let as_text = read(folder.path(), "b.gltf", &text);
+        assert_eq!(as_text.positions(), positions);
+        let binary = write(&as_text, &folder.path().join("c.glb"), file.positions());
+        assert!(binary.starts_with(b"glTF"));
+        let back = read(folder.path(), "c.glb", &binary);
+        assert_eq!((back.positions(), back.faces()), (file.positions(), file.faces()));
+        let chunks = Chunks::find(&binary).unwrap();
+        assert_eq!(binary[chunks.binary.unwrap()], source[Chunks::find(&source).unwrap().binary.unwrap()]);
+        assert!(!String::from_utf8_lossy(&binary[chunks.json]).contains("uri"));
+    }
+}
+
+#[test]
+fn fixed_vertices_name_the_reason() {
+    let plain = document(12, INDICES, 54);
+    let reasons = |json: &str| -> Vec<String> {
+        let (_, document) = parse(glb(json, &buffer([0, 1, 2])), None).unwrap();
+        document.fixed_vertices().map(|(range, reason)| format!("{range:?} {reason}")).collect()
+    };
+    assert_eq!(reasons(&plain), Vec::<String>::new());
+    let edit = |from: &str, to: &str| {
+        assert!(plain.contains(from), "{from}");
+        reasons(&plain.replacen(from, to, 1))
+    };
+    let second_node = edit(r#"{"translation": [10, 0, 0], "mesh": 0}"#, r#"{"mesh": 0, "children": [2]}, {"mesh": 0}"#);
+    assert_eq!(second_node, ["0..4 mesh 0 is used by more than one node", "4..8 mesh 0 is used by more than one node"]);
+    let skinned = edit(r#""mesh": 0}],"#, r#""mesh": 0, "skin": 0}], "skins": [{"joints": [0]}],"#);
+    assert_eq!(skinned, ["0..4 node 1 is skinned"]);
+    let flat = edit("[2, 2, 2]", "[2, 0, 2]");
+    assert_eq!(flat, ["0..4 the transform of node 1 can't be inverted"]);
+    let twice = edit(r#"{"POSITION": 0}"#, r#"{"POSITION": 0, "NORMAL": 0}"#);
+    assert_eq!(twice, ["0..4 accessor 0 is used by something else too"]);
+    let compressed = edit(r#""asset""#, r#""extensionsUsed": ["KHR_draco_mesh_compression"], "asset""#);
+    assert_eq!(compressed, ["0..4 the document uses KHR_draco_mesh_compression"]);
+    let sparse = edit(
+        r#""count": 4, "type": "VEC3","#,
+        r#""count": 4, "type": "VEC3", "sparse": {
+            "count": 1, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 0}},"#,
+    );
+    assert_eq!(sparse, ["0..4 accessor 0 is sparse"]);
+    let overlapping = edit(
+        INDICES,
+        &format!(r#"{INDICES}, {{"bufferView": 0, "componentType": 5126, "count": 4, "type": "SCALAR"}}"#),
+    );
+    assert_eq!(overlapping, ["0..4 accessors 0 and 2 share bytes"]);
+}
+
+#[test]
+fn parse_normalises_integers_where_the_accessor_says_so() {
+    let quantised = |normalised: &str| {
+        let json = document(12, INDICES, 54).replace("\"byteStride\": 12", "\"byteStride\": 8").replacen(
+            "5126",
+            &format!("5123{normalised}"),
+            1,
+        );
+        let mut bytes: Vec<u8> = [[0u16, 0, 0, 9], [65_535, 0, 0, 9], [0, 65_535, 0, 9], [1, 1, 1, 9]]
+            .iter()
+            .flatten()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
+        bytes.resize(48, 0);
+        bytes.extend([0, 0, 1, 0, 2, 0]);
+        let (parsed, document) = parse(glb(&json, &bytes), None).unwrap();
+        let reason = document.fixed_vertices().next().unwrap().1.to_owned();
+        (parsed.positions[1], reason)
+    };
+    let reason = "accessor 0 is quantised".to_owned();
+    assert_eq!(quantised(""), ([131_090., 0., 0.], reason.clone()));
+    assert_eq!(quantised(", \"normalized\": true"), ([22., 0., 0.], reason));
+}

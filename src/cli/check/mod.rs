@@ -1,0 +1,155 @@
+//! `untangled check`: analyses mesh files and says what intersects.
+
+mod report;
+#[cfg(test)]
+mod tests;
+
+use std::{
+    fs::File,
+    io::{self, BufWriter, Write},
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use thiserror::Error;
+
+pub use report::Report;
+
+use untangle::{
+    analysis::{Analyser, Analysis},
+    settings::Settings,
+    stage::{Stage, StageObserver},
+};
+use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
+
+use super::{
+    input::{self, Input, InputError, is_same_file},
+    outcome::{self, Outcome},
+};
+use report::StageTimes;
+
+/// Finds all intersections of one mesh, or of several in one world.
+///
+/// Exit code: 0 without intersections, 1 with, 2 for bad input.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CheckArgs {
+    /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print one JSON document (schema untangled.check/1) instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// List the intersecting pairs of triangles
+    #[arg(long)]
+    pub face_pairs: bool,
+    /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
+    #[arg(long, value_name = "FILE")]
+    pub contours: Option<PathBuf>,
+}
+
+/// Why a check could not be done.
+#[derive(Debug, Error)]
+pub enum CheckError {
+    /// The files can't be analysed.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// `--contours` names neither OBJ nor PLY.
+    #[error("{}: contours are written as .obj or .ply", .0.display())]
+    ContoursFormat(PathBuf),
+    /// `--contours` names an input.
+    #[error("{}: is an input and would be overwritten by the contours", .0.display())]
+    ContoursOverInput(PathBuf),
+    /// An output can't be written.
+    #[error("{}: can't be written: {source}", path.display())]
+    Write {
+        /// The file, or `standard output`.
+        path: PathBuf,
+        /// What is wrong.
+        source: io::Error,
+    },
+}
+
+/// Runs the subcommand: prints the report on standard output.
+///
+/// # Errors
+/// [`CheckError`]; one line, exit code 2.
+pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
+    let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
+    let (report, analysis) = check(&args.files, args.face_pairs)?;
+    if let (Some(path), Some(format)) = (&args.contours, contours) {
+        write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
+    }
+    let text = if args.json { report.to_json() } else { report.to_string() };
+    outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
+    Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
+}
+
+/// Reads and analyses files as one world.
+///
+/// # Errors
+/// [`CheckError`], naming the file and the element at fault.
+pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+    let mut clock = StageClock::default();
+    clock.start(StageTimes::READ);
+    let meshes = input::read_files(files)?;
+    clock.start(StageTimes::MESH);
+    let world = input::join(files, &meshes)?;
+    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
+    drop(meshes);
+    let mut analyser = Analyser::default();
+    let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
+    let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
+    Ok((report, analysis))
+}
+
+/// The format of the contours, if they may be written there.
+fn contours_format(path: &Path, inputs: &[PathBuf]) -> Result<FileFormat, CheckError> {
+    let format = FileFormat::of_name(path)
+        .filter(|format| *format != FileFormat::Gltf)
+        .ok_or_else(|| CheckError::ContoursFormat(path.to_path_buf()))?;
+    if inputs.iter().any(|input| is_same_file(path, input)) {
+        return Err(CheckError::ContoursOverInput(path.to_path_buf()));
+    }
+    Ok(format)
+}
+
+fn write_contours(path: &Path, format: FileFormat, analysis: &Analysis) -> io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    match format {
+        FileFormat::Ply => write_contours_ply(&analysis.paths, &mut out)?,
+        _ => write_contours_obj(&analysis.paths, &mut out)?,
+    }
+    out.flush()
+}
+
+/// Measures stages, one at a time.
+#[derive(Debug, Default)]
+struct StageClock {
+    running: Option<(&'static str, Instant)>,
+    times: StageTimes,
+}
+
+impl StageClock {
+    fn start(&mut self, stage: &'static str) {
+        self.end();
+        self.running = Some((stage, Instant::now()));
+    }
+}
+
+impl StageObserver for StageClock {
+    fn begin(&mut self, stage: Stage) {
+        self.start(match stage {
+            Stage::Intersect => "intersect",
+            Stage::Paths => "paths",
+            Stage::Regions => "regions",
+            Stage::Correspond => "correspond",
+            Stage::Respond => "respond",
+        });
+    }
+
+    fn end(&mut self) {
+        if let Some((stage, start)) = self.running.take() {
+            self.times.add(stage, start.elapsed());
+        }
+    }
+}

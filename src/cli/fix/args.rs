@@ -1,0 +1,73 @@
+//! The arguments of `untangled fix`.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use untangle::relax::{Effort, RelaxSettings};
+
+/// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
+///
+/// Vertex k of the output is vertex k of the input; polygons, materials, groups, normals and comments stay. A clean
+/// input is written unchanged. What is written is read back and checked exactly before it takes its place; inputs are
+/// never overwritten. Ctrl-C ends the work and writes nothing.
+///
+/// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY and glTF or GLB from glTF or GLB keep all that
+/// is not geometry, and so do several OBJ in one OBJ; any other combination keeps vertices, polygons and texture
+/// coordinates. glTF is only written from one glTF; a buffer of it that changed, or that would not be found from the
+/// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
+/// beside OUT.
+///
+/// Exit code: 0 clean; 1 intersections remain, and OUT is the best state found; 2 bad input or usage, another error, or
+/// Ctrl-C.
+#[derive(Clone, Debug, clap::Args)]
+pub struct FixArgs {
+    /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// File to write (.obj, .ply, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its
+    /// own name
+    #[arg(short, long, value_name = "OUT")]
+    pub out: PathBuf,
+    /// Print one JSON document (schema untangled.fix/1) instead of lines for people
+    #[arg(long)]
+    pub json: bool,
+    /// Write the JSON document to a file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Give up after this many iterations
+    #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
+    pub max_iterations: usize,
+    /// Time against result
+    #[arg(long, value_enum, default_value_t)]
+    pub quality: QualityArg,
+    /// Keep vertices where they are: a file of 0-based indices separated by white space, with # comments; of several
+    /// inputs together, pieces in order
+    #[arg(long, value_name = "FILE")]
+    pub pin: Option<PathBuf>,
+    /// Replace OUT (and the report) if it exists; never an input
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+/// [`Effort`] as an argument.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum QualityArg {
+    /// Fewest candidates a step
+    Fast,
+    /// In between
+    #[default]
+    Balanced,
+    /// Most candidates a step where progress stalls, otherwise as balanced
+    Accurate,
+}
+
+impl From<QualityArg> for Effort {
+    fn from(quality: QualityArg) -> Self {
+        match quality {
+            QualityArg::Fast => Self::Fast,
+            QualityArg::Balanced => Self::Balanced,
+            QualityArg::Accurate => Self::Accurate,
+        }
+    }
+}

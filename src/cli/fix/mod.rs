@@ -1,0 +1,119 @@
+//! `untangled fix`: untangles mesh files and writes them back.
+//!
+//! Each module uses those above it in this table only.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | `args`, `error` | the arguments; why nothing was written |
+//! | `pins` | the pin file |
+//! | `target` | the place of a file, and replacing it in one step |
+//! | `plan` | what is written where |
+//! | `report` | counts, distortion and history, as JSON and as text |
+//! | `terminal` | the progress line and Ctrl-C |
+//! | `repair` | relax, write, read back, check |
+
+mod args;
+mod error;
+mod pins;
+mod plan;
+mod repair;
+mod report;
+mod target;
+mod terminal;
+#[cfg(test)]
+mod tests;
+
+use std::time::Instant;
+
+use untangle::{
+    analysis::analyse,
+    relax::{RelaxSettings, relax},
+};
+use untangled_mesh_io::MeshFile;
+
+pub use args::{FixArgs, QualityArg};
+pub use error::FixError;
+pub use report::{Blocked, Counts, Distortion, Report};
+
+use super::{
+    input::{self, Input},
+    outcome::{self, Outcome},
+};
+use plan::{Job, check_movable, plan};
+use repair::{Repair, Repaired, Solver, Written};
+use terminal::{Interrupt, Progress};
+
+/// Runs the subcommand: prints the report on standard output.
+///
+/// # Errors
+/// [`FixError`]; one line, exit code 2.
+pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
+    let mut interrupt = Interrupt::listen().map_err(FixError::Signals)?;
+    let report = fix(args, &mut relax, &mut interrupt)?;
+    let text = if args.json { report.to_json() } else { report.to_string() };
+    outcome::print(&text).map_err(FixError::Print)?;
+    Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
+}
+
+/// Untangles and writes files. Nothing is at its place before everything is written.
+fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<Report, FixError> {
+    let start = Instant::now();
+    let mut progress = Progress::new();
+    progress.say("reading");
+    let files = input::read_files(&args.files)?;
+    let (jobs, report_target) = plan(args, &files)?;
+    let (input, pins) = world(args, &files)?;
+    interrupt.check()?;
+    progress.say("analysing");
+    let before = Counts::new(&analyse(&input.mesh, &input.frame));
+    interrupt.check()?;
+    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs) };
+    let Repaired { written, history, blocked } = if before.is_clean() {
+        interrupt.wait_for_files();
+        Repaired { written: repair.write(&input.positions)?, history: Vec::new(), blocked: Vec::new() }
+    } else {
+        check_movable(&jobs, &input)?;
+        progress.say("untangling");
+        repair.run(&input, &before, solver, interrupt, &mut progress)?
+    };
+    let Written { staged, input: read_back, counts: after, .. } = written;
+    let report = Report {
+        schema: "untangled.fix/1",
+        files: args.files.iter().map(|path| path.display().to_string()).collect(),
+        outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
+        clean: after.is_clean(),
+        num_iterations: history.len(),
+        seconds: start.elapsed().as_secs_f64(),
+        before,
+        after,
+        distortion: Distortion::new(&input.mesh, &input.positions, &read_back.positions),
+        blocked,
+        history,
+    };
+    let report_file = report_target.map(|target| {
+        target.stage(|out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
+    });
+    let report_file = report_file.transpose()?;
+    interrupt.check()?;
+    for file in staged.into_iter().chain(report_file) {
+        file.persist()?;
+    }
+    Ok(report)
+}
+
+/// The files as one world, and its pinned vertices.
+fn world(args: &FixArgs, files: &[MeshFile]) -> Result<(Input, Vec<u32>), FixError> {
+    let mut world = input::join(&args.files, files)?;
+    let pins = args.pin.as_deref().map(|path| pins::read(path, world.positions.len())).transpose()?.unwrap_or_default();
+    world.description.pins.clone_from(&pins);
+    Ok((Input::new(files, world)?, pins))
+}
+
+fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {
+    RelaxSettings {
+        effort: args.quality.into(),
+        max_iterations: args.max_iterations,
+        // One file of double precision is reason enough not to round: rounding would change its digits.
+        single_precision: jobs.iter().all(|job| job.output.is_single_precision()),
+    }
+}

@@ -1,0 +1,59 @@
+//! How much a repair changed the shape of the cloth.
+
+use nalgebra::Point3;
+use serde::Serialize;
+
+use untangle::mesh::Mesh;
+
+/// Displacements and stretch between two states of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Distortion {
+    /// Largest displacement of a vertex, in metres.
+    pub max_displacement_m: f64,
+    /// Mean displacement of all vertices, in metres.
+    pub mean_displacement_m: f64,
+    /// Stretch (length after divided by length before) of the edge with the largest |log| of it; 0 for an edge that
+    /// collapsed.
+    pub max_edge_stretch: f64,
+    /// Mean stretch of all edges.
+    pub mean_edge_stretch: f64,
+}
+
+impl Distortion {
+    /// Compares two states, both `num_vertices x 3` in metres. Edges without length before have no stretch and are left
+    /// out; without any edge the stretch is 1.
+    pub(crate) fn new(mesh: &Mesh, before: &[[f64; 3]], after: &[[f64; 3]]) -> Self {
+        let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
+        let (mut largest, mut sum) = (0.0f64, 0.0);
+        for (&before, &after) in before.iter().zip(after) {
+            let displacement = distance(before, after);
+            largest = largest.max(displacement);
+            sum += displacement;
+        }
+        let (mut worst, mut ratios, mut count) = (1.0f64, 0.0, 0);
+        for edge in mesh.edge_ids() {
+            let [a, b] = mesh.edge(edge).map(|vertex| vertex.0 as usize);
+            let length = distance(before[a], before[b]);
+            if length <= 0.0 {
+                continue;
+            }
+            let ratio = distance(after[a], after[b]) / length;
+            // |log 0| is infinite, so that a collapsed edge is the worst of all.
+            if ratio.ln().abs() > worst.ln().abs() {
+                worst = ratio;
+            }
+            ratios += ratio;
+            count += 1;
+        }
+        let mean = |sum: f64, count: usize, without: f64| {
+            #[expect(clippy::cast_precision_loss, reason = "numbers of elements are far below 2^52")]
+            if count > 0 { sum / count as f64 } else { without }
+        };
+        Self {
+            max_displacement_m: largest,
+            mean_displacement_m: mean(sum, before.len(), 0.0),
+            max_edge_stretch: worst,
+            mean_edge_stretch: mean(ratios, count, 1.0),
+        }
+    }
+}

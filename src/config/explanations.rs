@@ -1,0 +1,52 @@
+//! What each key means, as `untangled config` prints it.
+
+/// Explains `settings.deadline_us`.
+pub(super) const DEADLINE: &str = concat!(
+    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. ",
+    "Without it there is no limit."
+);
+
+/// Explains `settings.thickness_m`.
+pub(super) const THICKNESS: &str = "Thickness of the cloth in metres. Without it the mean edge length stands in.";
+
+/// Keys and sections, each with its explanation. A test checks that every key has one.
+pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
+    ("domain", "Where clients find the daemon; different domains never meet."),
+    ("quality", "The settings below start from `fast`, `balanced` or `accurate`; a session may choose one too."),
+    ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
+    ("[limits]", "What sessions may ask for."),
+    ("limits.max_sessions", "Most sessions at a time, 1 to 64."),
+    ("limits.max_vertices", "Most vertices of a session."),
+    ("limits.max_faces", "Most faces of a session."),
+    ("[telemetry]", "Logs, on standard error, and metrics."),
+    (
+        "telemetry.filter",
+        "What to log: a level, or per module as in `untangled=debug` (a line per frame with stage times).",
+    ),
+    ("telemetry.format", "`text` or `json`."),
+    ("telemetry.metrics", "Loopback address for metrics as Prometheus text, as in 127.0.0.1:9464; empty for none."),
+    ("[settings]", "Settings of sessions, where a session does not choose its own by the same names."),
+    (
+        "settings.response",
+        "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to \
+         the targets) or `mask` (flags only).",
+    ),
+    (
+        "settings.inside",
+        "Which side of a path is inside: the one with fewer vertices, `count`, with less `area`, or the one that \
+         takes less `work` to bring back.",
+    ),
+    (
+        "settings.stiffness_per_step2",
+        "Part of the distance to its target that a vertex covers in a step, per unit mass and step^2.",
+    ),
+    ("settings.max_step_edge_lengths", "Largest correction of a vertex in a step, in mean edge lengths."),
+    ("settings.thickness_m", THICKNESS),
+    ("settings.deadline_us", DEADLINE),
+    ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),
+    ("settings.winding", "Whether winding numbers decide what is inside, on closed and oriented pieces."),
+    ("settings.pinned_outside", "Whether a side with pinned vertices is outside, where the other side has none."),
+    ("settings.min_centres", "Fewest centres of a fit, 3 or more."),
+    ("settings.max_centres", "Most centres of a fit, up to 1000."),
+    ("settings.path_rings", "Width of the flagged surroundings of the paths, in rings of vertices, up to 64."),
+];

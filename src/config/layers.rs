@@ -1,0 +1,86 @@
+//! The layers of the configuration. Later layers win: defaults, configuration file, environment, flags.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use figment::{
+    Figment,
+    providers::{Env, Format, Serialized, Toml},
+};
+use untangled_proto::limits;
+
+use super::{
+    error::ConfigError,
+    keys::{Config, Limits},
+};
+
+/// Most workers; a larger number is taken for a mistake.
+const MAX_WORKERS: usize = 256;
+
+/// Flags that choose or change the configuration.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ConfigFlags {
+    /// Name of the domain: daemons and clients of different domains never meet.
+    #[arg(long, value_name = "NAME")]
+    pub domain: Option<String>,
+    /// Configuration file, as printed by `untangled config`.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Settings of sessions to start from, where a session does not choose: `fast`, `balanced` or `accurate`.
+    #[arg(long, value_name = "NAME")]
+    pub quality: Option<String>,
+}
+
+impl Config {
+    /// The effective configuration of this process.
+    ///
+    /// # Errors
+    /// [`ConfigError`], naming the key and where its value came from.
+    pub fn load(args: &ConfigFlags) -> Result<Self, ConfigError> {
+        let mut layers = Figment::new();
+        if let Some(path) = &args.config {
+            // Figment would take a missing file for an empty layer.
+            let text =
+                std::fs::read_to_string(path).map_err(|source| ConfigError::File { path: path.clone(), source })?;
+            layers = layers.merge(Toml::string(&text));
+        }
+        // UNTANGLED_SETTINGS__PATH_RINGS=3 is settings.path_rings.
+        layers = layers.merge(Env::prefixed("UNTANGLED_").split("__"));
+        if let Some(domain) = &args.domain {
+            layers = layers.merge(Serialized::default("domain", domain));
+        }
+        if let Some(quality) = &args.quality {
+            layers = layers.merge(Serialized::default("quality", quality));
+        }
+        // Values that were chosen override those of the quality, which override the defaults.
+        let mut defaults = Self::default();
+        if layers.contains("quality") {
+            defaults.quality = layers.extract_inner("quality").map_err(Box::new)?;
+            defaults.quality.apply(&mut defaults.settings);
+        }
+        let config: Self = Figment::from(Serialized::defaults(defaults)).merge(layers).extract().map_err(Box::new)?;
+        config.validate()?;
+        Ok(config)
+    }
+
+    /// Checks all values against their ranges.
+    fn validate(&self) -> Result<(), ConfigError> {
+        self.settings.validate()?;
+        let Limits { max_sessions, max_vertices, max_faces } = self.limits;
+        for (name, value, limit) in [
+            ("limits.max_sessions", max_sessions, limits::MAX_SESSIONS),
+            ("limits.max_vertices", max_vertices, limits::MAX_VERTICES),
+            ("limits.max_faces", max_faces, limits::MAX_FACES),
+        ] {
+            if !(1..=limit).contains(&value) {
+                return Err(ConfigError::Limit { name, value, limit });
+            }
+        }
+        if !(0..=MAX_WORKERS).contains(&self.num_workers) {
+            let (name, value) = ("num_workers", self.num_workers);
+            return Err(ConfigError::Limit { name, value, limit: MAX_WORKERS });
+        }
+        self.metrics()?;
+        Ok(())
+    }
+}
