@@ -1,6 +1,7 @@
 //! Requests and replies. These structs keep their names and layout in every version of the protocol.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use serde::{Deserialize, Serialize};
 
 /// What a client asks for.

@@ -1,6 +1,7 @@
 //! A correction: daemon to host, one for each state that the daemon looked at.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Flags of a vertex.
 pub mod flags {

@@ -1,8 +1,9 @@
-//! Intersection paths of a frame: daemon to whoever listens, for pictures and statistics.
+//! Intersection paths of a frame: daemon to each subscriber, for pictures and statistics.
 //!
 //! The payload is bytes: [`PathsHeader::num_paths`] records, then [`PathsHeader::num_points`] points, without gaps.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Header of a frame's paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
@@ -133,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_in_place() {
+    fn split_reads_paths_in_place_and_rejects_wrong_lengths() {
         #[repr(align(64))]
         struct Payload([u8; 128]);
         let record = PathRecord { pair: 7, first_point: 1, num_points: 2, ..PathRecord::default() };

@@ -78,7 +78,7 @@ pub enum SectionError {
     },
 }
 
-/// Sections of a payload, checked once; entries are copies, so that a peer who writes on can't move them.
+/// Sections of a payload, checked once. The entries are copies, so that a peer that goes on writing can't move a section.
 #[derive(Clone, Debug)]
 pub struct Sections<'a> {
     entries: Vec<(u32, &'a [u8])>,
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
+    fn sections_round_trip() {
         let (payload, num) = payload();
         let sections = Sections::parse(&payload, num).unwrap();
         assert_eq!(sections.u32s(id::TRIANGLES), Ok(Some(vec![[1, 2, 3]])));
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn lies_are_refused() {
+    fn parse_rejects_wrong_counts_offsets_and_lengths() {
         let (good, num) = payload();
         assert!(matches!(Sections::parse(&good, MAX_SECTIONS + 1), Err(SectionError::TooMany { .. })));
         assert!(matches!(Sections::parse(&good[..num * ENTRY_BYTES - 1], num), Err(SectionError::Table { .. })));

@@ -1,6 +1,7 @@
 //! A state of the cloth: host to daemon, once a frame.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Header of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
