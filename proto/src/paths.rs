@@ -77,8 +77,8 @@ impl PathsHeader {
         let (num_paths, num_points) = (self.num_paths as usize, self.num_points as usize);
         let records = payload.get(..num_paths.checked_mul(size_of::<PathRecord>())?)?;
         let points = &payload[records.len()..];
-        // SAFETY: both structs are repr(C) of numbers only, without padding, so that any bytes are valid values; the middle
-        // part that `align_to` finds is aligned.
+        // SAFETY: both structs are repr(C) of numbers only, without padding, so that any bytes are valid values; the
+        // middle part that `align_to` finds is aligned.
         let (records, points) = unsafe { (records.align_to::<PathRecord>(), points.align_to::<PathPoint>()) };
         let whole = records.0.is_empty() && records.2.is_empty() && points.0.is_empty() && points.2.is_empty();
         (whole && records.1.len() == num_paths && points.1.len() == num_points).then_some((records.1, points.1))

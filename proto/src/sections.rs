@@ -1,7 +1,7 @@
 //! The payload of a request: a table of sections, then their bytes.
 //!
-//! The table has [`RequestHeader::num_sections`](crate::RequestHeader) entries of 24 bytes, little-endian: id `u32`, zero `u32`,
-//! offset `u64` from the start of the payload, length in bytes `u64`. Offsets are multiples of 8.
+//! The table has [`RequestHeader::num_sections`](crate::RequestHeader) entries of 24 bytes, little-endian: id `u32`,
+//! zero `u32`, offset `u64` from the start of the payload, length in bytes `u64`. Offsets are multiples of 8.
 
 use thiserror::Error;
 
@@ -78,7 +78,8 @@ pub enum SectionError {
     },
 }
 
-/// Sections of a payload, checked once. The entries are copies, so that a peer that goes on writing can't move a section.
+/// Sections of a payload, checked once. The entries are copies, so that a peer that goes on writing can't move a
+/// section.
 #[derive(Clone, Debug)]
 pub struct Sections<'a> {
     entries: Vec<(u32, &'a [u8])>,

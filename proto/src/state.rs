@@ -38,7 +38,8 @@ impl PositionF32 {
     /// The same memory as arrays.
     #[must_use]
     pub fn as_arrays_mut(positions: &mut [Self]) -> &mut [[f32; 3]] {
-        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the array's.
+        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the
+        // array's.
         unsafe { std::slice::from_raw_parts_mut(positions.as_mut_ptr().cast(), positions.len()) }
     }
 }
@@ -47,7 +48,8 @@ impl PositionF64 {
     /// The same memory as arrays.
     #[must_use]
     pub fn as_arrays_mut(positions: &mut [Self]) -> &mut [[f64; 3]] {
-        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the array's.
+        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the
+        // array's.
         unsafe { std::slice::from_raw_parts_mut(positions.as_mut_ptr().cast(), positions.len()) }
     }
 }

@@ -1,6 +1,7 @@
-//! The iceoryx2 services with their quality of service: both sides build them here, so that they always agree.
+//! The iceoryx2 services and their quality of service. Both sides create and open them here, so that they agree.
 //!
-//! The daemon creates, clients open. Opening states no numbers, so that a client takes what the daemon chose.
+//! The daemon creates services, clients open them. Opening states no limits, so that a client takes those of the
+//! daemon.
 
 use iceoryx2::{
     prelude::*,
@@ -22,7 +23,7 @@ use untangled_proto::{
     state::StateHeader,
 };
 
-/// The flavour of iceoryx2 whose ports may move between threads. Peers of the other flavour can talk to it.
+/// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
 pub type Ipc = ipc_threadsafe::Service;
 /// The control service.
 pub type Control = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
@@ -49,7 +50,7 @@ fn payload_alignment() -> Alignment {
 /// Opens or creates the control service; only the daemon makes a server for it.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOrCreateError> {
     node.service_builder(&service_name(names::CONTROL))
         .request_response::<[u8], [u8]>()
@@ -70,7 +71,7 @@ pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOr
 /// Opens the control service.
 ///
 /// # Errors
-/// As iceoryx2 says; it does not exist where no daemon runs.
+/// The error of iceoryx2; the service does not exist where no daemon runs.
 pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenError> {
     node.service_builder(&service_name(names::CONTROL))
         .request_response::<[u8], [u8]>()
@@ -84,7 +85,7 @@ pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenErro
 /// Opens or creates one of the two events that all clients share.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_shared_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenOrCreateError> {
     node.service_builder(&service_name(name))
         .event()
@@ -98,7 +99,7 @@ pub fn create_shared_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventO
 /// Opens an event.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError> {
     node.service_builder(&service_name(name)).event().open()
 }
@@ -106,7 +107,7 @@ pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError>
 /// Creates the event of a session.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventCreateError> {
     node.service_builder(&service_name(name))
         .event()
@@ -122,7 +123,7 @@ pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, Event
 /// Creates a state service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
     node: &Node<Ipc>,
     name: &str,
@@ -144,7 +145,7 @@ pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
 /// Opens a state service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
     node: &Node<Ipc>,
     name: &str,
@@ -159,7 +160,7 @@ pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
 /// Creates a correction service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
@@ -178,7 +179,7 @@ pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServ
 /// Opens a correction service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
@@ -190,7 +191,7 @@ pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServic
 /// Creates a paths service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[u8]>()
@@ -209,7 +210,7 @@ pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, Publis
 /// Opens a paths service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeOpenError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[u8]>()
