@@ -33,7 +33,8 @@ pub enum DomainError {
     },
     /// The root folder's path is too long.
     #[error(
-        "the path {path} has {length} bytes, but sockets below it only work up to {MAX_ROOT_BYTES}: choose a shorter domain name \
+        "the path {path} has {length} bytes, but sockets below it only work up to {MAX_ROOT_BYTES}: \
+         choose a shorter domain name \
          or set XDG_RUNTIME_DIR to a shorter folder"
     )]
     RootTooLong {

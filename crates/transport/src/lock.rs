@@ -21,7 +21,7 @@ use crate::{Domain, DomainError, memory, services::Ipc};
 #[derive(Debug, Error)]
 pub enum LockError {
     /// A daemon has it.
-    #[error("another daemon{} serves domain `{domain}`", pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    #[error("another daemon{} serves domain `{domain}`", in_brackets(*pid))]
     Held {
         /// The domain.
         domain: String,
@@ -39,6 +39,10 @@ pub enum LockError {
         /// The error of the system.
         source: std::io::Error,
     },
+}
+
+fn in_brackets(pid: Option<u32>) -> String {
+    pid.map(|pid| format!(" (process {pid})")).unwrap_or_default()
 }
 
 /// The right to serve or to wipe a domain: an `flock`, which the system releases when the process ends in any way.

@@ -56,7 +56,7 @@ pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64
 /// The settings of a request, merged over the daemon's own.
 ///
 /// # Errors
-/// [`Refusal`] with [`Status::BadSettings`] for a document that is too long, is not JSON, or has an unknown name or a bad value.
+/// [`Refusal`] with [`Status::BadSettings`] for a document that is too long or not JSON, an unknown name, or a bad value.
 pub fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Result<Settings, Refusal> {
     let Some(bytes) = sections.bytes(id::SETTINGS) else { return Ok(options.settings.clone()) };
     let refused = |error: &dyn std::fmt::Display| Refusal::new(Status::BadSettings, format_args!("settings: {error}"));
@@ -104,7 +104,8 @@ fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) 
         Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
             Status::NotEnoughMemory,
             format_args!(
-                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, of which {reserved_bytes} are promised"
+                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, \
+                 of which {reserved_bytes} are promised"
             ),
         )),
         Ok(_) => Ok(()),
