@@ -1,4 +1,4 @@
-//! What a caller's addresses hold, checked as far as it can be.
+//! Reads and writes at addresses of the caller: null, alignment, length and UTF-8 are checked.
 
 use std::ffi::{CStr, c_char};
 
@@ -57,7 +57,7 @@ pub(crate) unsafe fn text<'a>(name: &str, start: *const c_char) -> Result<Option
     text.to_str().map(Some).map_err(|_| Fault::argument(format_args!("`{name}` is not UTF-8")))
 }
 
-/// Where a result goes.
+/// The place where a result is written.
 ///
 /// # Safety
 /// Where `place` is not null, a `T` may be written there, and nobody else uses it meanwhile.
