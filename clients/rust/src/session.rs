@@ -126,7 +126,7 @@ impl Session {
     /// for `fill`.
     ///
     /// # Errors
-    /// [`ExchangeError`]; after [`WaitError::DaemonLost`] and [`PublishError::Reconnecting`] the next call registers again.
+    /// [`ExchangeError`]; after [`WaitError::DaemonLost`] and [`PublishError::Reconnecting`] the next call retries.
     pub fn exchange(
         &mut self,
         step: StepTime,

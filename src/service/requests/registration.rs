@@ -56,7 +56,7 @@ pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64
 /// The settings of a request, merged over the daemon's own.
 ///
 /// # Errors
-/// [`Refusal`] with [`Status::BadSettings`] for a document that is too long or not JSON, an unknown name, or a bad value.
+/// [`Refusal`] with [`Status::BadSettings`] for a document that is too long or not JSON, or a bad name or value.
 pub fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Result<Settings, Refusal> {
     let Some(bytes) = sections.bytes(id::SETTINGS) else { return Ok(options.settings.clone()) };
     let refused = |error: &dyn std::fmt::Display| Refusal::new(Status::BadSettings, format_args!("settings: {error}"));

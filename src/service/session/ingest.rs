@@ -41,7 +41,7 @@ pub fn check_header(header: &StateHeader, num_vertices: usize) -> Result<(), Sta
 /// checked.
 ///
 /// # Errors
-/// [`Status::BadHeader`] for a wrong number of positions, [`Status::BadPosition`] for one that is too large or not finite.
+/// [`Status::BadHeader`] for a wrong number, [`Status::BadPosition`] for one that is too large or not finite.
 pub fn read_f32(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF32]) -> Result<(), StateFault> {
     frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
 }
