@@ -187,7 +187,7 @@ impl Daemon {
     }
 
     /// Answers requests, queues sessions that have a new state, drops sessions without a host. The events that announce
-    /// them have been drained before, so that whatever comes from here on wakes the daemon again.
+    /// them have been drained before, so that everything that comes from here on wakes the daemon again.
     fn hand_out_work(&self) {
         self.control.answer(|job| self.pool.push(Task::Register(Box::new(job))));
         self.registry.sessions().retain(|session| {

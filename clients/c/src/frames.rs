@@ -71,7 +71,7 @@ unsafe fn begin<T>(
 }
 
 /// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any
-/// more, whatever this returns.
+/// more, also after an error.
 ///
 /// # Safety
 /// `frame` is null or may be written.

@@ -17,7 +17,7 @@ use crate::{
     memory::Memory,
 };
 
-/// Longest wait before Python is asked whether somebody pressed Ctrl-C.
+/// Longest wait between two checks for Ctrl-C.
 const SLICE: Duration = Duration::from_millis(100);
 
 /// A session, until it is closed.

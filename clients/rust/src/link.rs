@@ -24,7 +24,7 @@ use crate::{
     request::Reply,
 };
 
-/// Where positions are written.
+/// Publishes states, in the precision of the session.
 #[derive(Debug)]
 pub(crate) enum StatePort {
     F32(Publisher<Ipc, [PositionF32], StateHeader>),

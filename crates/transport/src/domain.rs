@@ -57,7 +57,7 @@ pub enum DomainError {
         /// The error of the system.
         source: std::io::Error,
     },
-    /// The folder belongs to somebody else, or others may write to it.
+    /// The folder belongs to another user, or other users may write to it.
     #[error("folder {path} must belong to user {uid} and be closed to others (it belongs to {owner}, mode {mode:o})")]
     Foreign {
         /// The folder.

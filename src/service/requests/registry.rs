@@ -17,7 +17,7 @@ use untangled_transport::services::Ipc;
 use super::registration;
 use crate::service::{error::Refusal, options::ServeOptions, session::Session, throttle::Throttle};
 
-/// What all threads of a daemon share. Fields are dropped in order: sessions before the node.
+/// State that all threads of a daemon share. Fields are dropped in order: sessions before the node.
 #[derive(Debug)]
 pub(crate) struct Registry {
     sessions: Mutex<Vec<Arc<Session>>>,

@@ -21,7 +21,7 @@ pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHea
 /// Room for a reply at the start.
 pub(crate) const REPLY_BYTES: usize = 4096;
 
-/// What a request asked for, for its reply.
+/// The content of a reply that is no refusal.
 struct Answer {
     session: u64,
     text: String,

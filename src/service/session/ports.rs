@@ -25,7 +25,7 @@ use crate::service::{
     throttle::Throttle,
 };
 
-/// Where positions come from, in the precision that the host chose.
+/// Receives states, in the precision that the host chose.
 #[derive(Debug)]
 pub(crate) enum StatePort {
     F32(Subscription<PositionF32>),
@@ -118,7 +118,7 @@ fn warn(error: &dyn std::fmt::Debug) {
     }
 }
 
-/// Where corrections go. Fields are dropped in order: ports before services.
+/// Sends corrections and wakes the host. Fields are dropped in order: ports before services.
 #[derive(Debug)]
 pub(crate) struct CorrectionPort {
     publisher: Publisher<Ipc, [VertexCorrection], CorrectionHeader>,
