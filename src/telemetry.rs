@@ -10,20 +10,20 @@ use crate::config::{LogFormat, Telemetry};
 /// Why logs can't be set up.
 #[derive(Debug, Error)]
 pub enum TelemetryError {
-    /// The filter is not understood.
+    /// The filter is not valid.
     #[error("log filter `{filter}`: {source}")]
     Filter {
         /// The filter.
         filter: String,
-        /// Why.
+        /// The reason.
         source: tracing_subscriber::filter::ParseError,
     },
-    /// Somebody has set up logs already.
+    /// Logs were set up already.
     #[error("logs: {0}")]
     Init(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Starts logging for this process; only a binary may.
+/// Starts logging for this process. For programs only: a library must not choose the log of its host.
 ///
 /// # Errors
 /// [`TelemetryError`].

@@ -3,8 +3,8 @@
  *     untangled serve &
  *     cc example.c $(pkg-config --cflags --libs untangled-client) -lm -o example && ./example
  *
- * It prints how many edges pierce a face, step by step, and ends with 0 when none does any more. Each step does what any host does: write the
- * positions in place, send, wait, use value and mask. */
+ * It prints how many edges pierce a face, step by step, and ends with 0 when none does any more. Each step does what
+ * any host does: write the positions in place, send, wait, use value and mask. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,7 +84,8 @@ int main(int argc, char **argv) {
         }
         check(code, "waiting");
 
-        /* 3. Use value and mask. This host has no contact of its own; one that has switches it off where the mask is set. */
+        /* 3. Use value and mask. This host has no contact of its own; a solver with contact switches it off where
+         * the mask is set. */
         size_t masked = 0;
         for (size_t k = 0; k < correction.num_vertices; ++k) {
             for (int axis = 0; axis < 3; ++axis) {

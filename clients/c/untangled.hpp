@@ -1,6 +1,7 @@
 // C++17 over untangled.h: handles that close themselves, errors as exceptions. Header only; link the same library.
 //
-// A session may be used from any thread, by one at a time. What it lends (Frame, Correction) must be gone before the session is.
+// A session may be used from any thread, by one at a time. Destroy what it lends (Frame, Correction) before the
+// session.
 #ifndef UNTANGLED_HPP
 #define UNTANGLED_HPP
 
@@ -36,7 +37,7 @@ inline void check(untangled_error code) {
     }
 }
 
-/// Elements that somebody else owns.
+/// A view of elements that another object owns.
 template <class T> class Span {
 public:
     Span() = default;
@@ -129,13 +130,15 @@ public:
     Span<const untangled_vertex> vertices() const noexcept { return {view_.vertices, view_.num_vertices}; }
     /// Intersection paths; empty where they were not asked for.
     Span<const untangled_path> paths() const noexcept { return {view_.paths, view_.num_paths}; }
-    /// Points of one of them; empty where it points outside of what came.
+    /// Points of one path; empty where the record points outside of the points that were received.
     Span<const untangled_path_point> points(const untangled_path &path) const noexcept {
         const std::size_t end = std::size_t(path.first_point) + path.num_points;
-        return end > view_.num_path_points ? Span<const untangled_path_point>()
-                                           : Span<const untangled_path_point>(view_.path_points + path.first_point, path.num_points);
+        if (end > view_.num_path_points) {
+            return {};
+        }
+        return {view_.path_points + path.first_point, path.num_points};
     }
-    /// Counts, times, and what is left over.
+    /// Counts, times, and the force and torque left over.
     const untangled_correction &summary() const noexcept { return view_; }
 
 private:
@@ -193,7 +196,8 @@ public:
         return Correction(session_, view);
     }
     /// Copies positions, sends them, and waits: lock step for hosts that keep their positions elsewhere.
-    Correction exchange(double simulated_s, double dt_s, Span<const std::array<float, 3>> positions, Duration deadline) {
+    Correction exchange(double simulated_s, double dt_s, Span<const std::array<float, 3>> positions,
+                        Duration deadline) {
         untangled_correction view = {};
         const float *data = reinterpret_cast<const float *>(positions.data());
         check(untangled_exchange(session_, simulated_s, dt_s, data, positions.size(), microseconds(deadline), &view));
@@ -214,7 +218,8 @@ private:
 class Client {
 public:
     /// Connects to the daemon of a domain; without one `UNTANGLED_DOMAIN`, else `default`.
-    explicit Client(const std::optional<std::string> &domain = std::nullopt, Duration timeout = std::chrono::seconds(5)) {
+    explicit Client(const std::optional<std::string> &domain = std::nullopt,
+                    Duration timeout = std::chrono::seconds(5)) {
         if (untangled_abi_version() != UNTANGLED_ABI_VERSION) {
             throw std::runtime_error("the untangled library and its header are of different versions");
         }
@@ -234,8 +239,9 @@ public:
     /// Opens a session. Lengths that don't fit the cloth are errors.
     Session open(const Cloth &cloth) {
         const auto fits = [](std::size_t size, std::size_t expected) { return size == 0 || size == expected; };
-        if (!fits(cloth.rest_positions_m.size(), cloth.num_vertices) || !fits(cloth.masses_kg.size(), cloth.num_vertices) ||
-            !fits(cloth.layers.size(), cloth.num_vertices) || !fits(cloth.uv_corners.size(), cloth.triangles.size())) {
+        if (!fits(cloth.rest_positions_m.size(), cloth.num_vertices) ||
+            !fits(cloth.masses_kg.size(), cloth.num_vertices) || !fits(cloth.layers.size(), cloth.num_vertices) ||
+            !fits(cloth.uv_corners.size(), cloth.triangles.size())) {
             throw std::invalid_argument("untangled::Cloth: an array has not one element for each vertex or triangle");
         }
         untangled_registration registration = {};

@@ -1,6 +1,7 @@
 //! Requests and replies. These structs keep their names and layout in every version of the protocol.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use serde::{Deserialize, Serialize};
 
 /// What a client asks for.
@@ -44,8 +45,8 @@ pub struct RequestHeader {
     pub num_sections: u32,
     /// Zero.
     pub flags: u32,
-    /// Tells this request from all others; the reply repeats it. iceoryx2 0.10 can hand a late reply to a client that took the place of the
-    /// one that it was meant for.
+    /// Tells this request from all others; the reply repeats it. iceoryx2 0.10 can hand a late reply to a client that
+    /// took the place of the one that it was meant for.
     pub token: [u64; 2],
     /// Zero.
     pub reserved: [u64; 3],
@@ -83,7 +84,8 @@ pub struct Hello {
     pub pid: u32,
 }
 
-/// The part of a registration that has a fixed size: section [`id::PARAMS`](crate::sections::id::PARAMS), little-endian, 32 bytes.
+/// The part of a registration that has a fixed size: section [`id::PARAMS`](crate::sections::id::PARAMS),
+/// little-endian, 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct RegisterParams {
@@ -142,8 +144,8 @@ impl Precision {
     }
 }
 
-/// What the values of a correction are. With `f` the force of the method in kg m/step^2, `m` the vertex's mass (1 kg where none
-/// was registered) and `dt` the step of the frame:
+/// What the values of a correction are. With `f` the force of the method in kg m/step^2, `m` the vertex's mass (1 kg
+/// where none was registered) and `dt` the step of the frame:
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]

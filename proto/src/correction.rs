@@ -1,6 +1,7 @@
 //! A correction: daemon to host, one for each state that the daemon looked at.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Flags of a vertex.
 pub mod flags {
@@ -108,7 +109,8 @@ pub struct CorrectionHeader {
     pub num_inside: u64,
     /// Longest displacement that the correction makes in one step of `dt_s`, in metres.
     pub max_displacement_m: f64,
-    /// Force left over, in newtons: the sum over all vertices before limits and pins. Without masses every vertex weighs 1 kg.
+    /// Force left over, in newtons: the sum over all vertices before limits and pins. Without masses every vertex
+    /// weighs 1 kg.
     pub net_force_n: [f64; 3],
     /// Torque left over about the centre of the corrected vertices, in newton metres.
     pub net_torque_nm: [f64; 3],
@@ -118,7 +120,8 @@ pub struct CorrectionHeader {
     pub stage_ns: [u64; 8],
     /// Frames of this session so far that were overtaken by a newer one before the daemon looked at them.
     pub num_skipped_frames: u64,
-    /// With [`TRUNCATED`]: number of path pairs, the shortest ones, for which time did not suffice. They have flags near the path only.
+    /// With [`TRUNCATED`]: number of path pairs, the shortest ones, for which time did not suffice. They have flags
+    /// near the path only.
     pub num_pairs_left_out: u64,
     /// With [`TRUNCATED`]: their length in the world in metres.
     pub length_left_out_m: f64,

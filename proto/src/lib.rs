@@ -1,11 +1,15 @@
-//! The wire protocol of untangled: what crosses shared memory between a host and the daemon, and nothing else.
+//! The wire protocol of untangled: what crosses shared memory between a host and the daemon.
 //!
-//! `PROTOCOL.md` beside this crate says the same in words, enough to write a client in another language. Every struct is
-//! `repr(C)`, has an explicit type name with the protocol's version in it, and `tests/layout.rs` pins its layout.
+//! Plain data: `repr(C)` structs, names of services, codes, limits with the formulas for the memory they stand for, and
+//! the table of sections that a request consists of. Files, locks, ports and memory are the business of
+//! `untangled_transport`; of iceoryx2 this crate knows only the trait by which a struct may lie in shared memory.
 //!
-//! How to change it: a field may move into reserved bytes, which are zero until then, without a new version. Anything else
-//! is a new [`PROTOCOL_VERSION`] with new type names. The control structs keep their names and layout for good, so that
-//! peers of different versions can still tell each other why they don't talk.
+//! `PROTOCOL.md` beside this crate says the same in words, enough to write a client in another language. Every struct
+//! is `repr(C)`, has an explicit type name with the protocol's version in it, and `tests/layout.rs` pins its layout.
+//!
+//! How to change it: a field may move into reserved bytes, which are zero until then, without a new version. Anything
+//! else is a new [`PROTOCOL_VERSION`] with new type names. The control structs keep their names and layout for good, so
+//! that peers of different versions can still tell each other why they don't talk.
 
 pub mod control;
 pub mod correction;

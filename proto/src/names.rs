@@ -27,7 +27,7 @@ pub enum SessionService {
     Correction,
     /// Event service that wakes the host.
     Event,
-    /// Intersection paths, daemon to whoever listens.
+    /// Intersection paths, daemon to each subscriber.
     Paths,
 }
 

@@ -1,8 +1,9 @@
-//! Intersection paths of a frame: daemon to whoever listens, for pictures and statistics.
+//! Intersection paths of a frame: daemon to each subscriber, for pictures and statistics.
 //!
 //! The payload is bytes: [`PathsHeader::num_paths`] records, then [`PathsHeader::num_points`] points, without gaps.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Header of a frame's paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
@@ -76,8 +77,8 @@ impl PathsHeader {
         let (num_paths, num_points) = (self.num_paths as usize, self.num_points as usize);
         let records = payload.get(..num_paths.checked_mul(size_of::<PathRecord>())?)?;
         let points = &payload[records.len()..];
-        // SAFETY: both structs are repr(C) of numbers only, without padding, so that any bytes are valid values; the middle
-        // part that `align_to` finds is aligned.
+        // SAFETY: both structs are repr(C) of numbers only, without padding, so that any bytes are valid values; the
+        // middle part that `align_to` finds is aligned.
         let (records, points) = unsafe { (records.align_to::<PathRecord>(), points.align_to::<PathPoint>()) };
         let whole = records.0.is_empty() && records.2.is_empty() && points.0.is_empty() && points.2.is_empty();
         (whole && records.1.len() == num_paths && points.1.len() == num_points).then_some((records.1, points.1))
@@ -133,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_in_place() {
+    fn split_reads_paths_in_place_and_rejects_wrong_lengths() {
         #[repr(align(64))]
         struct Payload([u8; 128]);
         let record = PathRecord { pair: 7, first_point: 1, num_points: 2, ..PathRecord::default() };

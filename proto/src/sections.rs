@@ -1,7 +1,7 @@
 //! The payload of a request: a table of sections, then their bytes.
 //!
-//! The table has [`RequestHeader::num_sections`](crate::RequestHeader) entries of 24 bytes, little-endian: id `u32`, zero `u32`,
-//! offset `u64` from the start of the payload, length in bytes `u64`. Offsets are multiples of 8.
+//! The table has [`RequestHeader::num_sections`](crate::RequestHeader) entries of 24 bytes, little-endian: id `u32`,
+//! zero `u32`, offset `u64` from the start of the payload, length in bytes `u64`. Offsets are multiples of 8.
 
 use thiserror::Error;
 
@@ -78,7 +78,8 @@ pub enum SectionError {
     },
 }
 
-/// Sections of a payload, checked once; entries are copies, so that a peer who writes on can't move them.
+/// Sections of a payload, checked once. The entries are copies, so that a peer that goes on writing can't move a
+/// section.
 #[derive(Clone, Debug)]
 pub struct Sections<'a> {
     entries: Vec<(u32, &'a [u8])>,
@@ -211,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
+    fn sections_round_trip() {
         let (payload, num) = payload();
         let sections = Sections::parse(&payload, num).unwrap();
         assert_eq!(sections.u32s(id::TRIANGLES), Ok(Some(vec![[1, 2, 3]])));
@@ -225,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn lies_are_refused() {
+    fn parse_rejects_wrong_counts_offsets_and_lengths() {
         let (good, num) = payload();
         assert!(matches!(Sections::parse(&good, MAX_SECTIONS + 1), Err(SectionError::TooMany { .. })));
         assert!(matches!(Sections::parse(&good[..num * ENTRY_BYTES - 1], num), Err(SectionError::Table { .. })));

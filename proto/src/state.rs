@@ -1,6 +1,7 @@
 //! A state of the cloth: host to daemon, once a frame.
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Header of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
@@ -37,7 +38,8 @@ impl PositionF32 {
     /// The same memory as arrays.
     #[must_use]
     pub fn as_arrays_mut(positions: &mut [Self]) -> &mut [[f32; 3]] {
-        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the array's.
+        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the
+        // array's.
         unsafe { std::slice::from_raw_parts_mut(positions.as_mut_ptr().cast(), positions.len()) }
     }
 }
@@ -46,7 +48,8 @@ impl PositionF64 {
     /// The same memory as arrays.
     #[must_use]
     pub fn as_arrays_mut(positions: &mut [Self]) -> &mut [[f64; 3]] {
-        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the array's.
+        // SAFETY: `Self` is repr(C) with the array as its only field, so size, alignment and valid values are the
+        // array's.
         unsafe { std::slice::from_raw_parts_mut(positions.as_mut_ptr().cast(), positions.len()) }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::mem::{align_of, offset_of, size_of};
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use untangled_proto::{
     CorrectionHeader, CorrectionKind, PositionF32, PositionF64, Precision, RegisterParams, ReplyHeader, RequestHeader,
     RequestKind, StateHeader, Status, VertexCorrection, flags, pair_type,
@@ -19,7 +19,7 @@ macro_rules! pin {
 }
 
 #[test]
-fn headers() {
+fn headers_keep_layout_and_type_name() {
     pin!(RequestHeader, "untangled.control.RequestHeader", size 64, align 8, {
         protocol_version @ 0, kind @ 4, session @ 8, num_sections @ 16, flags @ 20, token @ 24, reserved @ 40,
     });
@@ -41,14 +41,14 @@ fn headers() {
 }
 
 #[test]
-fn elements() {
+fn elements_keep_layout_and_type_name() {
     pin!(PositionF32, "untangled.v1.PositionF32", size 12, align 4, {});
     pin!(PositionF64, "untangled.v1.PositionF64", size 24, align 8, {});
     pin!(VertexCorrection, "untangled.v1.VertexCorrection", size 16, align 4, { value @ 0, flags @ 12 });
 }
 
 #[test]
-fn bytes() {
+fn params_and_paths_encode_little_endian() {
     let params = RegisterParams { num_vertices: 0x0102, precision: 1, correction: 2, reserved: [0; 2] };
     let bytes = params.to_bytes();
     assert_eq!(bytes[..16], [2, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
@@ -72,7 +72,7 @@ fn bytes() {
 }
 
 #[test]
-fn numbers() {
+fn codes_keep_their_numbers() {
     assert_eq!([flags::INSIDE, flags::NEAR_PATH, flags::CLAMPED, flags::PINNED], [1, 2, 4, 8]);
     assert_eq!(pair_type::NAMES[pair_type::BI_BI], "BI/BI");
     for code in 0..=12 {

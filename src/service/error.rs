@@ -1,8 +1,8 @@
 //! Why a daemon does not serve, and why it refuses a request.
 
 use thiserror::Error;
-use untangled_transport::{DomainError, lock::LockError};
 use untangled_proto::Status;
+use untangled_transport::{DomainError, lock::LockError};
 
 /// Why a daemon did not start, or ended.
 #[derive(Debug, Error)]
@@ -32,22 +32,24 @@ pub enum ServeError {
 }
 
 impl ServeError {
-    pub(super) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
+    pub(crate) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
         Self::Transport { what, reason: format!("{reason:?}") }
     }
 }
 
-/// A request that is refused: a code for programs, words for people.
+/// A request that is refused: a code for programs, a message for people.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{message}")]
-pub(super) struct Refusal {
-    pub(super) status: Status,
-    pub(super) message: String,
+pub struct Refusal {
+    /// The code.
+    pub status: Status,
+    /// The reason in words, with the element and the value at fault.
+    pub message: String,
 }
 
 impl Refusal {
-    /// A long message, which could only repeat what a peer sent, is cut.
-    pub(super) fn new(status: Status, message: impl ToString) -> Self {
+    /// A refusal. A message of more than 1000 bytes, which can only repeat what a peer sent, is cut.
+    pub(crate) fn new(status: Status, message: impl ToString) -> Self {
         const LONGEST: usize = 1000;
         let mut message = message.to_string();
         if message.len() > LONGEST {

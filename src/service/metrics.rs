@@ -1,7 +1,7 @@
-//! The daemon's numbers as Prometheus text over HTTP, for whoever can connect: a thread of its own, one request at a time.
+//! Metrics of the daemon as Prometheus text over HTTP, on a thread of its own, one request at a time.
 //!
-//! Only the answer is of interest, so this reads a request's head and no more, and closes. Whoever is slow is dropped, so that nobody keeps
-//! others out for long; nothing here can hold up a frame.
+//! The server reads the head of a request, answers, and closes the connection. A slow client is dropped after a second,
+//! so that it does not keep others out for long. Frames never wait for this thread.
 
 use std::{
     fmt::Write as _,
@@ -17,26 +17,28 @@ use std::{
 
 use super::{
     error::ServeError,
-    registry::Registry,
-    status::{self, Report, SessionReport},
+    requests::{
+        Registry,
+        status::{self, Report, SessionReport},
+    },
     throttle::Throttle,
 };
 
-/// How long a request may take.
+/// Longest time for a request.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 4096;
 
 /// A thread that answers until it is dropped.
 #[derive(Debug)]
-pub(super) struct MetricsServer {
+pub(crate) struct MetricsServer {
     address: SocketAddr,
     ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl MetricsServer {
-    pub(super) fn start(address: SocketAddr, registry: Arc<Registry>) -> Result<Self, ServeError> {
+    pub(crate) fn start(address: SocketAddr, registry: Arc<Registry>) -> Result<Self, ServeError> {
         let failed = |source| ServeError::System { what: "serving metrics", source };
         let listener = TcpListener::bind(address).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
@@ -52,7 +54,7 @@ impl MetricsServer {
 impl Drop for MetricsServer {
     fn drop(&mut self) {
         self.ending.store(true, Ordering::Release);
-        // A connection wakes the thread from waiting for one.
+        // The thread waits for a connection; this one wakes it.
         let woken = TcpStream::connect_timeout(&self.address, PATIENCE);
         if woken.is_ok()
             && let Some(thread) = self.thread.take()
@@ -72,7 +74,7 @@ fn serve(listener: &TcpListener, ending: &AtomicBool, body: &dyn Fn() -> String)
             if let Some(num_suppressed) = FAILED.admit() {
                 tracing::info!(%error, num_suppressed, "a request for metrics failed");
             }
-            // Out of descriptors, accepting fails at once, and again.
+            // Without free descriptors `accept` fails at once; do not spin.
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -87,7 +89,8 @@ fn answer(mut stream: TcpStream, body: &dyn Fn() -> String) -> std::io::Result<(
         None => ("400 Bad Request", "only GET is understood\n".to_owned()),
     };
     let head = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+        "HTTP/1.1 {status}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n\
+         Content-Length: {}\r\nConnection: close\r\n\r\n",
         text.len()
     );
     stream.write_all(head.as_bytes())?;

@@ -1,7 +1,7 @@
-//! Workers that share the work of all sessions fairly.
+//! A pool of workers that shares its threads fairly among sessions.
 //!
-//! Jobs are taken in the order in which they came. Large ones may have all workers but one at a time, so that small ones never wait for
-//! more than other small ones; where a job wants to go on, it queues again behind the others.
+//! Jobs are taken in the order in which they came. Large jobs may occupy all workers but one at a time, so that small
+//! jobs wait for other small jobs only. A job that is to be done again queues behind the others.
 
 use std::{
     cell::LazyCell,
@@ -16,7 +16,7 @@ use rayon::ThreadPoolBuilder;
 const MOST_THREADS: usize = 8;
 
 /// Something to be done by one worker.
-pub(super) trait Job: Send + 'static {
+pub(crate) trait Job: Send + 'static {
     /// Whether it may take so long that small jobs must not wait for it.
     fn is_large(&self) -> bool;
     /// Does it; returns the job where it is to be done again.
@@ -27,7 +27,7 @@ pub(super) trait Job: Send + 'static {
 
 /// A fixed number of threads, asleep while there is no job.
 #[derive(Debug)]
-pub(super) struct Pool<J: Job> {
+pub(crate) struct Pool<J: Job> {
     shared: Arc<Shared<J>>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -51,7 +51,7 @@ struct Queue<J> {
 
 impl<J: Job> Pool<J> {
     /// Starts `num_workers` threads, at least two: one of them is for small jobs only.
-    pub(super) fn start(num_workers: usize) -> std::io::Result<Self> {
+    pub(crate) fn start(num_workers: usize) -> std::io::Result<Self> {
         let num_workers = num_workers.max(2);
         let queue = Mutex::new(Queue { jobs: VecDeque::new(), num_large: 0, ending: false });
         let shared = Arc::new(Shared {
@@ -63,7 +63,7 @@ impl<J: Job> Pool<J> {
         let mut pool = Self { shared, threads: Vec::with_capacity(num_workers) };
         for index in 0..num_workers {
             let shared = Arc::clone(&pool.shared);
-            // Where a thread can't be had, those that were started end with `pool`.
+            // Where a thread can't be started, those that were started end when `pool` is dropped.
             let thread = std::thread::Builder::new().name(format!("worker-{index}")).spawn(move || shared.work())?;
             pool.threads.push(thread);
         }
@@ -71,14 +71,14 @@ impl<J: Job> Pool<J> {
     }
 
     /// Queues a job and wakes a worker.
-    pub(super) fn push(&self, job: J) {
+    pub(crate) fn push(&self, job: J) {
         self.shared.lock().jobs.push_back(job);
         self.shared.changed.notify_one();
     }
 }
 
 impl<J: Job> Drop for Pool<J> {
-    /// Waits for the jobs in work; those in the queue are dropped.
+    /// Waits for the jobs in work; drops those in the queue.
     fn drop(&mut self) {
         let left = {
             let mut queue = self.shared.lock();
@@ -87,7 +87,7 @@ impl<J: Job> Drop for Pool<J> {
         };
         self.shared.changed.notify_all();
         for thread in self.threads.drain(..) {
-            // A job that panicked has been reported by the panic hook.
+            // The panic hook has reported a job that panicked.
             let _ = thread.join();
         }
         drop(left);
@@ -101,7 +101,8 @@ impl<J: Job> Shared<J> {
     }
 
     fn work(&self) {
-        // What the library does on many threads it does for a small job on this one alone, so that it waits for no other thread.
+        // A small job runs on this thread alone, the library's parallel loops included, so that it waits for no other
+        // thread.
         let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
         if let Err(error) = &alone {
             tracing::warn!(%error, "a worker shares the threads of others");
@@ -145,7 +146,7 @@ mod tests {
 
     use super::*;
 
-    /// Says when it begins, and ends when it is told to.
+    /// Reports when it begins, and ends when the test releases it.
     struct Task {
         name: &'static str,
         large: bool,
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn large_jobs_leave_a_worker_to_small_ones() {
+    fn pool_keeps_one_worker_free_of_large_jobs() {
         let (begun, log) = channel();
         let pool = Pool::start(2).unwrap();
         let task = |name, large| {
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_that_goes_on_queues_behind_the_others() {
+    fn pool_requeues_unfinished_job_behind_others() {
         let (begun, log) = channel();
         let pool = Pool::start(1).unwrap();
         // One worker is kept busy, so that the other one's order shows.

@@ -1,18 +1,19 @@
-//! Limits of log lines that a peer's behaviour can cause.
+//! Rate limit for log lines that a peer can cause.
 
 use std::{
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-/// Lines that come through at once.
+/// Lines that are admitted at once.
 const BURST: u32 = 10;
-/// How long until one more may come.
+/// Time until one more line is admitted.
 const REFILL: Duration = Duration::from_secs(1);
 
-/// The allowance of one place in the code. All peers share it: whoever floods the log hides only what comes from the same place.
+/// The rate limit (token bucket) of one place in the code. All peers share it: a peer that floods the log suppresses
+/// only lines from the same place.
 #[derive(Debug)]
-pub(super) struct Throttle(Mutex<State>);
+pub(crate) struct Throttle(Mutex<State>);
 
 #[derive(Debug)]
 struct State {
@@ -22,12 +23,12 @@ struct State {
 }
 
 impl Throttle {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self(Mutex::new(State { left: BURST, refilled: None, num_suppressed: 0 }))
     }
 
-    /// Whether a line may be written now; then how many were not since the last one.
-    pub(super) fn admit(&self) -> Option<u64> {
+    /// Whether a line may be written now; if so, the number of lines that were suppressed since the last one.
+    pub(crate) fn admit(&self) -> Option<u64> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).admit(Instant::now())
     }
 }
@@ -58,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_becomes_one_line_a_second_that_counts_the_others() {
+    fn throttle_admits_burst_then_one_line_per_second_and_counts_suppressed() {
         let mut state = State { left: BURST, refilled: None, num_suppressed: 0 };
         let start = Instant::now();
         let at = |seconds| start + Duration::from_secs_f64(seconds);

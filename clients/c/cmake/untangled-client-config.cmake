@@ -1,4 +1,4 @@
-# find_package(untangled-client) gives the targets untangled::client (shared) and untangled::client_static, for C and C++.
+# find_package(untangled-client) gives the targets untangled::client (shared) and untangled::client_static.
 # It lies in PREFIX/lib/cmake/untangled-client; headers are in PREFIX/include, libraries in PREFIX/lib.
 get_filename_component(_untangled_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 

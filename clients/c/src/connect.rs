@@ -1,4 +1,4 @@
-//! Calls at the start and the end, and now and then between.
+//! Calls for connections and sessions: connect, register, settings, status, close.
 
 use std::{ffi::c_char, time::Duration};
 
@@ -21,8 +21,8 @@ pub extern "C" fn untangled_abi_version() -> u32 {
     UNTANGLED_ABI_VERSION
 }
 
-/// Connects to the daemon of a domain, waiting up to `timeout_us` microseconds for it to come up; later requests may take as long.
-/// `domain` null is the environment variable `UNTANGLED_DOMAIN`, else `default`.
+/// Connects to the daemon of a domain, waiting up to `timeout_us` microseconds for it to come up; later requests may
+/// take as long. `domain` null is the environment variable `UNTANGLED_DOMAIN`, else `default`.
 ///
 /// # Safety
 /// `domain` is null or ends in a zero byte; `client` is null or may be written.
@@ -51,8 +51,8 @@ pub extern "C" fn untangled_disconnect(client: ClientHandle) -> ErrorCode {
 /// Opens a session; everything that `registration` points to is copied.
 ///
 /// # Safety
-/// `registration` is null or points to one whose addresses are null or hold as many elements as it says; `session` is null or may be
-/// written.
+/// `registration` is null or points to one whose addresses are null or hold as many elements as it says; `session` is
+/// null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn untangled_register(
     client: ClientHandle,
@@ -122,8 +122,9 @@ pub unsafe extern "C" fn untangled_update_settings(
     })
 }
 
-/// The daemon's state as a JSON document (schema `untangled.status/1`) that ends in a zero byte. Its length without that goes to
-/// `length`; a `buffer` of `capacity` bytes that is too short is `UNTANGLED_INVALID_ARGUMENT`, and null with 0 asks for the length alone.
+/// The daemon's state as a JSON document (schema `untangled.status/1`) that ends in a zero byte. Its length without
+/// that goes to `length`; a `buffer` of `capacity` bytes that is too short is `UNTANGLED_INVALID_ARGUMENT`, and null
+/// with 0 asks for the length alone.
 ///
 /// # Safety
 /// `buffer` is null or `capacity` bytes may be written there; `length` is null or may be written.

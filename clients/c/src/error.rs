@@ -1,4 +1,4 @@
-//! Codes and messages.
+//! Error codes, and their messages by thread.
 
 use std::{
     cell::RefCell,
@@ -41,7 +41,8 @@ pub enum ErrorCode {
     NotEnoughMemory = 11,
     /// The transport failed.
     Transport = 12,
-    /// The daemon went away, and has not yet taken the session up again. Go on without, and try again with the next frame.
+    /// The daemon went away, and has not yet taken the session up again. Go on without, and try again with the next
+    /// frame.
     Reconnecting = 13,
     /// The daemon went away while it was waited for. Go on without; the next frame registers the session again.
     DaemonLost = 14,
@@ -93,7 +94,7 @@ impl Fault {
     pub(crate) fn new(code: ErrorCode, message: impl Display) -> Self {
         MESSAGE.with_borrow_mut(|kept| {
             kept.length = 0;
-            // Writing into a buffer does not fail; a `Display` that does has said enough.
+            // Writing into the buffer does not fail; where a `Display` fails, the message ends there.
             let _ = write!(kept, "{message}");
         });
         Self(code)
@@ -104,7 +105,7 @@ impl Fault {
     }
 }
 
-/// Runs a call and keeps what it says; a panic ends here.
+/// Runs a call and returns its code; catches panics.
 pub(crate) fn guard(call: impl FnOnce() -> Result<(), Fault>) -> ErrorCode {
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => ErrorCode::Ok,
@@ -113,7 +114,8 @@ pub(crate) fn guard(call: impl FnOnce() -> Result<(), Fault>) -> ErrorCode {
     }
 }
 
-/// Why the last call of this thread that failed did so, in words, UTF-8. It is valid until the next call of this thread.
+/// Why the last call of this thread that failed did so, in words, UTF-8. It is valid until the next call of this
+/// thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn untangled_last_error() -> *const c_char {
     MESSAGE.with_borrow(|kept| kept.bytes.as_ptr().cast())
@@ -215,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_a_code_and_messages_are_cut_between_characters() {
+    fn guard_turns_panic_into_code_and_cuts_messages_between_characters() {
         assert_eq!(guard(|| panic!("on purpose")), ErrorCode::Internal);
         assert!(last().contains("defect"));
         let long = "a\0ö".repeat(MESSAGE_BYTES);

@@ -1,4 +1,4 @@
-//! The calls of a frame. None of them allocates here, or blocks beyond a deadline that the caller gave.
+//! The calls of a frame. None of them allocates in this crate, or blocks beyond a deadline that the caller gave.
 
 use std::time::Duration;
 
@@ -11,8 +11,9 @@ use crate::{
     types::{CorrectionView, SessionHandle},
 };
 
-/// Begins a frame of a session in single precision: `positions` becomes the address of `num_vertices x 3` numbers in shared memory, in
-/// metres. They hold what an earlier frame left there: write all of them, then call `untangled_send_frame`. One frame at a time.
+/// Begins a frame of a session in single precision: `positions` becomes the address of `num_vertices x 3` numbers in
+/// shared memory, in metres. They hold what an earlier frame left there: write all of them, then call
+/// `untangled_send_frame`. One frame at a time.
 ///
 /// # Safety
 /// `positions` is null or may be written.
@@ -44,7 +45,8 @@ pub unsafe extern "C" fn untangled_begin_frame_f64(
     unsafe { begin(session, StepTime { simulated_s, dt_s }, positions, first, Precision::F32) }
 }
 
-/// Lends a frame and writes where its positions are, by `first`, which finds them unless the session is registered in the `other` precision.
+/// Lends a frame and writes the address of its positions, which `first` finds unless the session has the `other`
+/// precision.
 ///
 /// # Safety
 /// `positions` is null or may be written.
@@ -68,8 +70,8 @@ unsafe fn begin<T>(
     })
 }
 
-/// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any more, whatever
-/// this returns.
+/// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any
+/// more, also after an error.
 ///
 /// # Safety
 /// `frame` is null or may be written.
@@ -98,8 +100,8 @@ pub extern "C" fn untangled_abandon_frame(session: SessionHandle) -> ErrorCode {
     })
 }
 
-/// Waits for the correction of a frame, up to `deadline_us` microseconds. Release what it wrote to `correction`; a session can hold
-/// three.
+/// Waits for the correction of a frame, up to `deadline_us` microseconds. Release what it wrote to `correction`; a
+/// session can hold three.
 ///
 /// # Safety
 /// `correction` is null or may be written.
@@ -129,8 +131,8 @@ pub unsafe extern "C" fn untangled_newest(session: SessionHandle, correction: *m
     unsafe { receive_into(session, correction, receive) }
 }
 
-/// Copies `num_vertices x 3` positions into a frame, sends it, and waits for its correction: lock step in one call, for hosts that keep
-/// their positions elsewhere. `num_vertices` must be the session's.
+/// Copies `num_vertices x 3` positions into a frame, sends it, and waits for its correction: lock step in one call, for
+/// hosts that keep their positions elsewhere. `num_vertices` must be the session's.
 ///
 /// # Safety
 /// `positions` is null or holds `num_vertices x 3` numbers; `correction` is null or may be written.
@@ -189,7 +191,7 @@ fn with(session: SessionHandle, begin: impl FnOnce(&mut OpenSession) -> Result<(
     begin(&mut open)
 }
 
-/// Receives a correction, keeps it, and tells the caller where it is.
+/// Receives a correction, keeps it, and writes its view to the caller's address.
 ///
 /// # Safety
 /// `correction` is null or may be written.

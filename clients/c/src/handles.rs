@@ -57,12 +57,13 @@ impl<T> Table<T> {
     }
 }
 
-/// For the length of a call. Whoever panicked while it held the lock left nothing half done that matters.
+/// Locks an object for one call. A panic in an earlier call leaves no inconsistent state that matters, so a poisoned
+/// lock is used on.
 pub(crate) fn lock<T>(object: &Mutex<T>) -> MutexGuard<'_, T> {
     object.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A session with what it has lent to the caller. Fields are dropped in order: what was lent first.
+/// A session with the loan and the corrections that the caller holds. Fields are dropped in order: the session last.
 #[derive(Debug)]
 pub(crate) struct OpenSession {
     pub(crate) loan: Option<Loan>,
@@ -76,7 +77,7 @@ impl OpenSession {
         Self { loan: None, held: [const { None }; MAX_HELD], last_token: 0, session }
     }
 
-    /// Asked before a correction is waited for, so that none is lost.
+    /// Called before a correction is received, so that none is lost.
     pub(crate) fn check_room(&self) -> Result<(), Fault> {
         if self.held.iter().any(Option::is_none) {
             return Ok(());
@@ -112,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stale_handle_is_an_error() {
+    fn table_rejects_stale_handles_and_never_reuses_ids() {
         static TABLE: Table<i32> = Table::new("number");
         let (one, two) = (TABLE.add(1), TABLE.add(2));
         assert_eq!(*lock(&TABLE.get(two).unwrap()), 2);

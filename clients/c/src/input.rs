@@ -1,4 +1,4 @@
-//! What a caller's addresses hold, checked as far as it can be.
+//! Reads and writes at addresses of the caller: null, alignment, length and UTF-8 are checked.
 
 use std::ffi::{CStr, c_char};
 
@@ -7,7 +7,7 @@ use crate::error::Fault;
 /// An array of the caller's; nothing for null.
 ///
 /// # Safety
-/// Where `start` is not null, `count` elements lie there, and nobody writes them while the slice is used.
+/// Where `start` is not null, `count` elements lie there, and they are not written while the slice is used.
 pub(crate) unsafe fn optional<'a, T: Copy>(
     name: &str,
     start: *const T,
@@ -47,7 +47,7 @@ pub(crate) unsafe fn array<'a, T: Copy>(
 /// A text; nothing for null.
 ///
 /// # Safety
-/// Where `start` is not null, a zero byte ends the text there, and nobody writes it meanwhile.
+/// Where `start` is not null, a zero byte ends the text there, and the text is not written meanwhile.
 pub(crate) unsafe fn text<'a>(name: &str, start: *const c_char) -> Result<Option<&'a str>, Fault> {
     if start.is_null() {
         return Ok(None);
@@ -57,10 +57,10 @@ pub(crate) unsafe fn text<'a>(name: &str, start: *const c_char) -> Result<Option
     text.to_str().map(Some).map_err(|_| Fault::argument(format_args!("`{name}` is not UTF-8")))
 }
 
-/// Where a result goes.
+/// The place where a result is written.
 ///
 /// # Safety
-/// Where `place` is not null, a `T` may be written there, and nobody else uses it meanwhile.
+/// Where `place` is not null, a `T` may be written there, and it is not used otherwise meanwhile.
 pub(crate) unsafe fn place<'a, T>(name: &str, place: *mut T) -> Result<&'a mut std::mem::MaybeUninit<T>, Fault> {
     if place.is_null() {
         return Err(null(name));

@@ -1,4 +1,4 @@
-//! What a caller says about its cloth.
+//! Registrations: a caller describes its cloth.
 
 use std::ffi::c_char;
 
@@ -10,7 +10,8 @@ use crate::{
     types::{Kind, PositionPrecision},
 };
 
-/// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles` are required.
+/// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles`
+/// are required.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ClothRegistration {
@@ -26,7 +27,8 @@ pub struct ClothRegistration {
     pub uv_coordinates: *const f64,
     /// Number of texture coordinates.
     pub num_uv_coordinates: usize,
-    /// For each triangle the texture coordinate of its corners, `num_triangles x 3`; null only without texture coordinates.
+    /// For each triangle the texture coordinate of its corners, `num_triangles x 3`; null only without texture
+    /// coordinates.
     pub uv_corners: *const u32,
     /// Unstrained positions in metres, `num_vertices x 3`, or null.
     pub rest_positions_m: *const f64,
@@ -86,44 +88,24 @@ pub unsafe extern "C" fn untangled_registration_init(registration: *mut ClothReg
 }
 
 impl ClothRegistration {
-    /// Copies what the caller's addresses hold.
+    /// Copies the arrays that the caller's addresses point to.
     ///
     /// # Safety
     /// Every address is null, or as many elements lie there as the fields say.
     pub(crate) unsafe fn read(&self) -> Result<Registration, Fault> {
-        let (num_vertices, num_faces) = (self.num_vertices, self.num_triangles);
-        if self.struct_size != size_of::<Self>() {
-            let (given, expected) = (self.struct_size, size_of::<Self>());
-            return Err(Fault::argument(format_args!(
-                "`struct_size` is {given}, not {expected}: call untangled_registration_init, with the header of this library"
-            )));
-        }
-        if num_vertices > MOST || num_faces > MOST || self.num_uv_coordinates > 3 * MOST || self.num_pins > MOST {
-            return Err(Fault::argument(format_args!(
-                "{num_vertices} vertices, {num_faces} triangles, {} texture coordinates, {} pins: too many",
-                self.num_uv_coordinates, self.num_pins
-            )));
-        }
-        let (faces, most) = (3 * num_faces, 6 * MOST);
+        self.check_sizes()?;
+        let (num_vertices, num_corners, most) = (self.num_vertices, 3 * self.num_triangles, 6 * MOST);
         // SAFETY: the caller's promise, for all of them.
-        let (triangles, uvs, corners, rest, masses, pins, layers, settings) = unsafe {
+        let (triangles, uvs, rest, masses, pins, layers, settings) = unsafe {
             (
-                input::array("triangles", self.triangles, faces, most)?,
-                input::optional("uv_coordinates", self.uv_coordinates, 2 * self.num_uv_coordinates, most)?,
-                input::optional("uv_corners", self.uv_corners, faces, most)?,
+                input::array("triangles", self.triangles, num_corners, most)?,
+                self.read_uvs(most)?,
                 input::optional("rest_positions_m", self.rest_positions_m, 3 * num_vertices, most)?,
                 input::optional("masses_kg", self.masses_kg, num_vertices, most)?,
                 input::array("pins", self.pins, self.num_pins, most)?,
                 input::optional("layers", self.layers, num_vertices, most)?,
                 input::text("settings_json", self.settings_json)?,
             )
-        };
-        let uvs = match (uvs, corners) {
-            (None, None) => None,
-            (Some(coordinates), Some(corners)) => {
-                Some(Uvs { coordinates: coordinates.as_chunks().0.to_vec(), corners: corners.as_chunks().0.to_vec() })
-            }
-            _ => return Err(Fault::argument("`uv_coordinates` and `uv_corners` go together")),
         };
         Ok(Registration {
             num_vertices,
@@ -133,29 +115,72 @@ impl ClothRegistration {
             masses_kg: masses.map(<[f64]>::to_vec),
             pins: pins.to_vec(),
             layers: layers.map(<[u32]>::to_vec),
-            precision: match self.precision {
-                0 => Precision::F32,
-                1 => Precision::F64,
-                other => return Err(Fault::argument(format_args!("`precision` is {other}"))),
-            },
-            correction: match self.correction {
-                0 => CorrectionKind::Force,
-                1 => CorrectionKind::Acceleration,
-                2 => CorrectionKind::VelocityChange,
-                3 => CorrectionKind::Displacement,
-                other => return Err(Fault::argument(format_args!("`correction` is {other}"))),
-            },
-            paths: match self.paths {
-                0 => false,
-                1 => true,
-                other => return Err(Fault::argument(format_args!("`paths` is {other}"))),
-            },
+            precision: precision(self.precision)?,
+            correction: correction(self.correction)?,
+            paths: flag("paths", self.paths)?,
             settings: settings.map_or(Ok(serde_json::Value::Null), parse)?,
         })
     }
+
+    fn check_sizes(&self) -> Result<(), Fault> {
+        if self.struct_size != size_of::<Self>() {
+            let (given, expected) = (self.struct_size, size_of::<Self>());
+            return Err(Fault::argument(format_args!(
+                "`struct_size` is {given}, not {expected}: call untangled_registration_init, with the header of this \
+                 library"
+            )));
+        }
+        let (num_vertices, num_faces) = (self.num_vertices, self.num_triangles);
+        if num_vertices > MOST || num_faces > MOST || self.num_uv_coordinates > 3 * MOST || self.num_pins > MOST {
+            return Err(Fault::argument(format_args!(
+                "{num_vertices} vertices, {num_faces} triangles, {} texture coordinates, {} pins: too many",
+                self.num_uv_coordinates, self.num_pins
+            )));
+        }
+        Ok(())
+    }
+
+    /// Copies the texture coordinates, at most `most` numbers each.
+    ///
+    /// # Safety
+    /// As [`read`](Self::read).
+    unsafe fn read_uvs(&self, most: usize) -> Result<Option<Uvs>, Fault> {
+        let (num_numbers, num_corners) = (2 * self.num_uv_coordinates, 3 * self.num_triangles);
+        // SAFETY: the caller's promise.
+        let (uvs, corners) = unsafe {
+            (
+                input::optional("uv_coordinates", self.uv_coordinates, num_numbers, most)?,
+                input::optional("uv_corners", self.uv_corners, num_corners, most)?,
+            )
+        };
+        match (uvs, corners) {
+            (None, None) => Ok(None),
+            (Some(coordinates), Some(corners)) => Ok(Some(Uvs {
+                coordinates: coordinates.as_chunks().0.to_vec(),
+                corners: corners.as_chunks().0.to_vec(),
+            })),
+            _ => Err(Fault::argument("`uv_coordinates` and `uv_corners` go together")),
+        }
+    }
 }
 
-/// Settings from their text.
+fn precision(code: u32) -> Result<Precision, Fault> {
+    Precision::from_code(code).ok_or_else(|| Fault::argument(format_args!("`precision` is {code}")))
+}
+
+fn correction(code: u32) -> Result<CorrectionKind, Fault> {
+    CorrectionKind::from_code(code).ok_or_else(|| Fault::argument(format_args!("`correction` is {code}")))
+}
+
+fn flag(name: &str, value: u32) -> Result<bool, Fault> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        other => Err(Fault::argument(format_args!("`{name}` is {other}"))),
+    }
+}
+
+/// Settings from a JSON text.
 pub(crate) fn parse(settings: &str) -> Result<serde_json::Value, Fault> {
     serde_json::from_str(settings).map_err(|error| Fault::argument(format_args!("settings: {error}")))
 }

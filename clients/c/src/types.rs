@@ -1,4 +1,4 @@
-//! What crosses the border, in C layout.
+//! Types of the C interface, in C layout.
 
 use client::{Correction, CorrectionHeader};
 
@@ -95,7 +95,8 @@ pub struct PathPoint {
     pub faces: [u32; 2],
 }
 
-/// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or `untangled_close`.
+/// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or
+/// `untangled_close`.
 #[repr(C)]
 #[derive(Debug)]
 pub struct CorrectionView {
@@ -163,7 +164,7 @@ const _: () = {
 };
 
 impl CorrectionView {
-    /// What a caller may read of a correction that is kept for it.
+    /// The view of a correction that is kept for the caller.
     pub(crate) fn new(correction: &Correction, token: u64) -> Self {
         let header: &CorrectionHeader = correction.header();
         let vertices = correction.vertices();

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 #[test]
-fn the_header_is_in_step() {
+fn header_matches_what_cbindgen_generates() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
     let mut builder = cbindgen::Builder::new().with_config(config);

@@ -1,4 +1,4 @@
-"""What the examples of all hosts share: four controls, a table, and pictures.
+"""Shared by the examples of all hosts: four controls, a table, and pictures.
 
 A demonstration needs controls: no help, the mask alone, the force alone, and both. Only the last may untangle.
 """
@@ -15,7 +15,12 @@ import numpy as np
 import picture
 import untangled
 
-CONTROLS = [("no help", False, False), ("mask only", False, True), ("force without mask", True, False), ("force + mask", True, True)]
+CONTROLS = [
+    ("no help", False, False),
+    ("mask only", False, True),
+    ("force without mask", True, False),
+    ("force + mask", True, True),
+]
 
 
 class Daemon:
@@ -53,9 +58,10 @@ def arguments(description):
 
 
 def run(title, simulate, scene, options):
-    """Runs `simulate(use_force, use_mask)`, which yields after each step what it is in and the positions, for each control.
+    """Runs `simulate(use_force, use_mask)` for each control; it yields a context and the positions after each step.
 
-    The count is that of an exact check that shares no code with the untangler. Returns whether the last control ended clean for good.
+    Counts come from an exact check that shares no code with the untangler. Returns whether the last control ended clean
+    and stayed so.
     """
     vertices, triangles, rest, _ = scene
     layers = rest[triangles][:, :, 0].mean(1) < rest[:, 0].max() / 2
@@ -68,7 +74,8 @@ def run(title, simulate, scene, options):
             picture.render(options.out / name, positions, triangles, layers, marked)
 
     draw("before.png", vertices)
-    print(f"{title}\n\n| control | edges that pierce a face: start | after the steps with help | most in the {options.after} steps after | steps until clean |")
+    columns = f"after steps with help | most in the {options.after} steps after | steps until clean"
+    print(f"{title}\n\n| control | edges that pierce a face: start | {columns} |")
     print("|---|---|---|---|---|", flush=True)
     good = False
     for name, force, mask in CONTROLS:
@@ -84,7 +91,8 @@ def run(title, simulate, scene, options):
             else:
                 worst = max(worst, now)
         strained = not np.isfinite(positions).all()
-        print(f"| {name} | {start} | {helped} | {worst}{' (not finite)' if strained else ''} | {'never' if clean_at is None else clean_at} |", flush=True)
+        after = f"{worst}{' (not finite)' if strained else ''}"
+        print(f"| {name} | {start} | {helped} | {after} | {'never' if clean_at is None else clean_at} |", flush=True)
         draw(f"after {name}.png".replace("+", "and").replace(" ", "-"), positions)
         good = (helped, worst) == (0, 0)
     return good

@@ -61,7 +61,9 @@ def simulate(scene, domain, options, force, mask):
         state.particle_q.assign(vertices)
     control = model.control()
     uv = np.ascontiguousarray(rest[:, :2])
-    with Untangler(model, solver, dt=DT, uv=uv, rest_positions=rest, domain=domain, use_force=force, use_mask=mask) as untangler:
+    with Untangler(
+        model, solver, dt=DT, uv=uv, rest_positions=rest, domain=domain, use_force=force, use_mask=mask
+    ) as untangler:
         phases = [("help", untangler.before_step)] * (options.steps or 60) + [("after", None)] * options.after
         untangler.deadline = 10.0
         for phase, help in phases:

@@ -9,7 +9,10 @@ FRONT, REAR, MARKED = np.array([[70, 120, 190], [220, 170, 90], [200, 40, 40]], 
 
 
 def render(path, vertices, triangles, layers, marked=(), eye=(1.0, -0.75, 0.35), size=(640, 640)):
-    """Writes the cloth as seen from the direction `eye`; `layers` says which triangles have the second colour, `marked` which the third."""
+    """Writes a picture of the cloth as seen from the direction `eye`.
+
+    `layers` says which triangles have the second colour, `marked` which the third.
+    """
     toward = np.array(eye, float) / np.linalg.norm(eye)
     right = np.cross([0.0, 0.0, 1.0], toward)
     right /= np.linalg.norm(right)
@@ -55,4 +58,5 @@ def _write(path, image):
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b""))
+        chunks = [chunk(b"IHDR", header), chunk(b"IDAT", zlib.compress(rows, 6)), chunk(b"IEND", b"")]
+        file.write(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))

@@ -1,8 +1,8 @@
 """The scene of the host examples: a towel over a line, with a corner of its front layer through the rear one.
 
-1 m x 0.5 m in two layers, 496 vertices, 900 triangles. It is pinned along the line, along the lower edge of the rear layer, and at the other lower
-corner of the front layer, and gravity leans towards the rear: so the corner is pulled further through, and neither can the tangle fall out by itself
-nor can the whole front layer slip through the rear one.
+1 m x 0.5 m in two layers, 496 vertices, 900 triangles. It is pinned along the line, along the lower edge of the rear
+layer, and at the other lower corner of the front layer. Gravity leans towards the rear and pulls the corner further
+through, so that the tangle can't fall out, and the pins keep the front layer from slipping through the rear one.
 """
 
 import numpy as np
@@ -16,7 +16,8 @@ GAP = 0.03  # half the distance of the layers, m
 
 def towel():
     """Vertices (float32), triangles, rest positions in the plane (which are texture coordinates too), pins."""
-    u, v = (axis.ravel() for axis in np.meshgrid(np.linspace(0, LENGTH, COLUMNS), np.linspace(0, WIDTH, ROWS), indexing="ij"))
+    lines = np.linspace(0, LENGTH, COLUMNS), np.linspace(0, WIDTH, ROWS)
+    u, v = (axis.ravel() for axis in np.meshgrid(*lines, indexing="ij"))
     below = np.abs(u - LENGTH / 2)
     side = np.sign(u - LENGTH / 2)  # front is +1
     bend = np.tanh(below / 0.05)

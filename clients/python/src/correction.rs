@@ -1,4 +1,4 @@
-//! A correction as numpy sees it.
+//! A correction with its arrays for numpy.
 
 use std::{
     any::Any,
@@ -11,7 +11,7 @@ use untangled_proto::correction::{TRUNCATED, stage};
 
 use crate::memory::Memory;
 
-/// The correction of one frame. The lock is for the handle; what it points to never moves.
+/// The correction of one frame. The lock guards the handle; the memory that it refers to never moves.
 #[pyclass(frozen, module = "untangled._native")]
 pub(crate) struct NativeCorrection(Arc<Mutex<Correction>>);
 
@@ -20,7 +20,7 @@ impl NativeCorrection {
         Self(Arc::new(Mutex::new(correction)))
     }
 
-    /// Held for the length of a getter, which waits for nothing.
+    /// Held for the duration of a getter, which does not wait.
     fn lock(&self) -> MutexGuard<'_, Correction> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -49,7 +49,8 @@ impl NativeCorrection {
         self.view(start, [vertices.len(), 0, size_of::<VertexCorrection>()], "<u4")
     }
 
-    /// Nothing, or `num_paths x 8` numbers of the records, the points' positions (`x 3` of f64) and faces (`x 2` of u32).
+    /// Nothing, or `num_paths x 8` numbers of the records, the points' positions (`x 3` of f64) and faces (`x 2` of
+    /// u32).
     fn paths(&self) -> Option<(Memory, Memory, Memory)> {
         let correction = self.lock();
         let paths = correction.paths()?;

@@ -21,8 +21,8 @@ create_exception!(
     untangled,
     Missed,
     Error,
-    "No correction for this frame: it did not come in time, or the daemon went away or on to a newer frame. Go on without it; the next \
-     frame tries again, and registers again by itself."
+    "No correction for this frame: it did not come in time, or the daemon went away or on to a newer frame. Go on \
+     without it; the next frame tries again, and registers again by itself."
 );
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -86,6 +86,7 @@ fn refused(error: FrameRefusal) -> PyErr {
 
 fn receive(reason: &str) -> PyErr {
     Error::new_err(format!(
-        "{reason}: a session lends three corrections at a time. Arrays that look into a correction hold it; copy what is to be kept"
+        "{reason}: a session lends three corrections at a time. Arrays that look into a correction hold it; \
+         copy what is to be kept"
     ))
 }

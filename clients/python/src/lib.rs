@@ -1,10 +1,11 @@
-//! The native half of the Python package `untangled`: what `untangled/session.py` and `untangled/library.py` are made of.
+//! The native half of the Python package `untangled`: what `untangled/session.py` and `untangled/library.py` are made
+//! of.
 //!
-//! Arrays cross the border in two ways. What stays (positions of a frame, corrections, paths) is shared memory, which numpy looks at through
-//! `__array_interface__`: an address, a shape, and an object that keeps the memory in place for as long as an array looks there. What is
-//! said once (a registration, a mesh to analyse) is bytes, copied.
+//! Arrays cross the border in two ways. Positions of a frame, corrections and paths are shared memory, which numpy
+//! views through `__array_interface__`: an address, a shape, and an object that keeps the memory mapped for as long as
+//! an array refers to it. Arrays that are passed once (a registration, a mesh to analyse) are bytes, copied.
 //!
-//! Sessions may be used from any thread, by one at a time, and wait without the interpreter's lock.
+//! Sessions may be used from any thread, by one at a time, and release the interpreter's lock while they wait.
 
 mod bytes;
 mod correction;

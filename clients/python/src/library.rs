@@ -18,7 +18,7 @@ use untangled_publisher::check::count_edge_face;
 
 use crate::bytes::{f64s, of_f64s, of_u32s, u32s};
 
-/// A mesh of Python's: bytes, indices of u32 and numbers of f64.
+/// A mesh from Python: arrays as bytes, indices of u32 and numbers of f64.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Cloth {
@@ -56,7 +56,7 @@ impl Cloth {
     }
 }
 
-/// Analyses one state: counts, pairs, paths and who is inside, by name; arrays are bytes.
+/// Analyses one state: counts, pairs, paths and inside vertices, by name; arrays are bytes.
 #[pyfunction]
 pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyResult<Bound<'py, PyDict>> {
     let settings: Settings =
@@ -105,7 +105,8 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
     Ok(found)
 }
 
-/// Brings one state apart, by name: positions as bytes, what is left by a check that shares no code with the repair, blocked paths.
+/// Repairs one state: positions as bytes, the count of a check that shares no code with the repair, and blocked paths,
+/// by name.
 #[pyfunction]
 pub(crate) fn fix<'py>(
     py: Python<'py>,
@@ -124,7 +125,7 @@ pub(crate) fn fix<'py>(
     let triangles: Vec<[u32; 3]> = u32s("triangles", &cloth.triangles)?;
     let settings = RelaxSettings { effort, max_iterations, single_precision };
     let (relaxed, left) = py.detach(|| {
-        // Ctrl-C ends the work between two iterations; Python hears of it when this returns.
+        // Ctrl-C ends the work between two iterations; the exception is raised when this returns.
         let mut progress = |_: &_| match Python::attach(|py| py.check_signals()) {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),

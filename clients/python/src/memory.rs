@@ -1,11 +1,11 @@
-//! Memory that numpy looks at.
+//! Shared memory as a numpy array, by the array interface.
 
 use std::{any::Any, sync::Arc};
 
 use pyo3::{prelude::*, types::PyDict};
 
-/// An array in memory that something else owns and that this keeps in place: `numpy.asarray` looks there without a copy, and holds on
-/// to this object for as long as it does.
+/// An array in memory of another owner, which this keeps mapped: `numpy.asarray` makes a view of it without a copy, and
+/// keeps a reference to this object for as long as the view lives.
 #[pyclass(frozen, module = "untangled._native")]
 pub(crate) struct Memory {
     address: usize,

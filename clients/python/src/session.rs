@@ -17,7 +17,7 @@ use crate::{
     memory::Memory,
 };
 
-/// Longest wait before Python is asked whether somebody pressed Ctrl-C.
+/// Longest wait between two checks for Ctrl-C.
 const SLICE: Duration = Duration::from_millis(100);
 
 /// A session, until it is closed.
@@ -34,7 +34,10 @@ struct Open {
 impl NativeSession {
     /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
     #[new]
-    #[pyo3(signature = (domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind, paths, settings))]
+    #[pyo3(signature = (
+        domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
+        paths, settings
+    ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
         py: Python<'_>,
@@ -71,13 +74,7 @@ impl NativeSession {
             pins: u32s::<1>("pins", pins)?.into_flattened(),
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
-            correction: match kind {
-                "force" => CorrectionKind::Force,
-                "acceleration" => CorrectionKind::Acceleration,
-                "velocity" => CorrectionKind::VelocityChange,
-                "displacement" => CorrectionKind::Displacement,
-                other => return Err(PyValueError::new_err(format!("there is no correction {other:?}"))),
-            },
+            correction: correction_kind(kind)?,
             paths,
             settings: parse(settings)?,
         };
@@ -178,13 +175,23 @@ impl NativeSession {
 }
 
 impl NativeSession {
-    /// Never called with the interpreter's lock, since whoever holds this one may be waiting.
+    /// Must not be called while the interpreter's lock is held, since the holder of this lock may be waiting.
     fn lock(&self) -> MutexGuard<'_, Option<Open>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn with<T>(&self, call: impl FnOnce(&mut Open) -> PyResult<T>) -> PyResult<T> {
         call(self.lock().as_mut().ok_or_else(|| Error::new_err("the session is closed"))?)
+    }
+}
+
+fn correction_kind(name: &str) -> PyResult<CorrectionKind> {
+    match name {
+        "force" => Ok(CorrectionKind::Force),
+        "acceleration" => Ok(CorrectionKind::Acceleration),
+        "velocity" => Ok(CorrectionKind::VelocityChange),
+        "displacement" => Ok(CorrectionKind::Displacement),
+        other => Err(PyValueError::new_err(format!("there is no correction {other:?}"))),
     }
 }
 
@@ -198,7 +205,7 @@ pub(crate) fn status(py: Python<'_>, domain: Option<String>, timeout_s: f64) -> 
     })
 }
 
-/// A length of time; what is longer than a year is one.
+/// A duration, at most a year.
 fn seconds(seconds: f64) -> PyResult<Duration> {
     if seconds.is_nan() || seconds < 0.0 {
         return Err(PyValueError::new_err(format!("{seconds} seconds are no length of time to wait")));

@@ -1,6 +1,7 @@
 """A real daemon for each test module, and meshes to send it.
 
-`DAEMON_PROGRAM` names the daemon's program; without it `untangled` is looked for on the path and in the repository's target folders.
+`DAEMON_PROGRAM` names the daemon's program; without it `untangled` is searched for on the path and in the repository's
+target folders.
 """
 
 import itertools

@@ -28,7 +28,8 @@ def main(domain, scene, out, repeats="1"):
                 if not timed:
                     vertices = np.empty(num_vertices, [("force", np.float32, 3), ("flags", np.uint32)])
                     vertices["force"], vertices["flags"] = force, flags
-                    points = np.empty(len(correction.paths.points), [("position", np.float64, 3), ("faces", np.uint32, 2)])
+                    layout = [("position", np.float64, 3), ("faces", np.uint32, 2)]
+                    points = np.empty(len(correction.paths.points), layout)
                     points["position"], points["faces"] = correction.paths.points, correction.paths.faces
                     for part in (vertices, correction.paths.records, points):
                         file.write(part.tobytes())

@@ -6,7 +6,7 @@ import pytest
 import untangled
 
 
-def test_analyse(crossed):
+def test_analyse_of_crossed_triangles_finds_intersections_and_paths(crossed):
     found = untangled.analyse(crossed.vertices, crossed.triangles)
     assert found.num_intersections == 2 and found.face_pairs.tolist() == [[0, 1]]
     assert found.edge_face[:, 2].tolist() == [0, 0] and found.inside.tolist() == [False] * 5 + [True]
@@ -17,24 +17,24 @@ def test_analyse(crossed):
     assert [path.inside.tolist() for path in found.paths] == [[5], []]
 
 
-def test_fix(sheets):
+def test_fix_of_crossed_sheets_ends_clean_and_keeps_clean_input(sheets):
     before = untangled.analyse(sheets.vertices, sheets.triangles).num_intersections
     result = untangled.fix(sheets.vertices, sheets.triangles, single_precision=True)
     assert before > 20 and result.clean and result.blocked == [] and result.num_iterations > 0
     after = untangled.analyse(result.vertices.astype(np.float32), sheets.triangles)
     assert after.num_intersections == 0 and not after.inside.any()
-    # What is clean comes back bit for bit.
+    # Clean input comes back bit for bit.
     again = untangled.fix(result.vertices, sheets.triangles)
     assert again.vertices.tobytes() == result.vertices.tobytes()
 
 
-def test_pins_stay(sheets):
+def test_fix_does_not_move_pins(sheets):
     pins = np.arange(400)
     result = untangled.fix(sheets.vertices, sheets.triangles, pins=pins)
     assert np.array_equal(result.vertices[pins], sheets.vertices[pins])
 
 
-def test_bad_input_is_named(crossed):
+def test_bad_input_raises_error_naming_the_element(crossed):
     bad = crossed.vertices.copy()
     bad[3, 2] = np.inf
     with pytest.raises(ValueError, match="3"):

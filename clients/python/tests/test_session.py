@@ -15,7 +15,7 @@ def open_session(mesh, domain, **more):
     return untangled.Session(mesh.triangles, domain=domain, timeout=DEADLINE, **more)
 
 
-def test_a_first_correction(crossed, domain):
+def test_exchange_of_crossed_triangles_reports_counts_flags_and_summary(crossed, domain):
     with open_session(crossed, domain, masses=np.full(6, 0.1), paths=True) as session:
         correction = session.exchange(crossed.vertices, dt=0.01, deadline=DEADLINE)
         assert session.num_vertices == 6 and session.correction == "force" and correction.kind == "force"
@@ -28,7 +28,7 @@ def test_a_first_correction(crossed, domain):
         assert "2 intersections" in repr(correction)
 
 
-def test_cloth_comes_apart(sheets, domain):
+def test_displacements_applied_each_step_end_clean(sheets, domain):
     positions = sheets.vertices.copy()
     with open_session(sheets, domain) as session:
         for _ in range(200):
@@ -54,7 +54,7 @@ def is_shared(array):
     return any(begin <= address(array) < end for begin, end in mappings())
 
 
-def test_nothing_is_copied(sheets, domain):
+def test_frame_and_correction_arrays_are_views_of_shared_memory(sheets, domain):
     with open_session(sheets, domain, masses=np.full(800, 0.001), paths=True) as session:
         with session.frame(dt=0.01) as positions:
             assert is_shared(positions) and positions.flags.writeable and positions.dtype == np.float32
@@ -72,19 +72,21 @@ def test_nothing_is_copied(sheets, domain):
         assert correction.force.strides == (16, 4) and correction.flags.strides == (16,)
 
 
-def test_strides_and_precision_of_what_is_sent_do_not_matter(crossed, domain):
+def test_exchange_gives_same_bytes_for_any_strides_and_precision(crossed, domain):
     expected = None
     for dtype in (np.float32, np.float64):
         with open_session(crossed, domain, dtype=dtype) as session:
             wide = np.zeros((6, 7))
             wide[:, 1:6:2] = crossed.vertices
-            for positions in (crossed.vertices, crossed.vertices.astype(np.float64), np.asfortranarray(wide[:, 1:6:2]), wide[:, 1:6:2]):
+            strided = wide[:, 1:6:2]
+            double = crossed.vertices.astype(np.float64)
+            for positions in (crossed.vertices, double, np.asfortranarray(strided), strided):
                 value = session.exchange(positions, dt=0.01, deadline=DEADLINE).value.copy()
                 expected = value if expected is None else expected
                 assert value.tobytes() == expected.tobytes()
 
 
-def test_paths(crossed, domain):
+def test_paths_match_those_of_analyse(crossed, domain):
     with open_session(crossed, domain, paths=True) as session:
         paths = session.exchange(crossed.vertices, deadline=DEADLINE).paths
         assert len(paths) == 2 and [path.type for path in paths] == ["BB", "II"]
@@ -96,7 +98,7 @@ def test_paths(crossed, domain):
         assert session.exchange(crossed.vertices, deadline=DEADLINE).paths is None
 
 
-def test_views_outlive_everything(crossed, daemon):
+def test_views_stay_valid_after_release_close_and_daemon_exit(crossed, daemon):
     session = open_session(crossed, daemon.domain)
     correction = session.exchange(crossed.vertices, deadline=DEADLINE)
     with session.frame() as positions:
@@ -114,7 +116,7 @@ def test_views_outlive_everything(crossed, daemon):
     daemon.start()
 
 
-def test_held_corrections_are_counted(crossed, domain):
+def test_exchange_fails_when_too_many_corrections_are_held(crossed, domain):
     with open_session(crossed, domain) as session:
         held = [session.exchange(crossed.vertices, deadline=DEADLINE).value for _ in range(3)]
         copies = []
@@ -128,7 +130,7 @@ def test_held_corrections_are_counted(crossed, domain):
                 held.append(session.exchange(crossed.vertices, deadline=DEADLINE).value)
 
 
-def test_free_running(crossed, domain):
+def test_newest_returns_each_correction_once(crossed, domain):
     with open_session(crossed, domain) as session:
         assert session.newest() is None
         with session.frame(dt=0.01) as positions:
@@ -142,7 +144,7 @@ def test_free_running(crossed, domain):
         assert session.time == pytest.approx(0.01)
 
 
-def test_a_frame_that_fails_is_dropped(crossed, domain):
+def test_frame_block_that_raises_publishes_nothing(crossed, domain):
     with open_session(crossed, domain) as session:
         with pytest.raises(KeyError):
             with session.frame() as positions:
@@ -153,7 +155,7 @@ def test_a_frame_that_fails_is_dropped(crossed, domain):
         assert session.exchange(crossed.vertices, deadline=DEADLINE).frame == 1
 
 
-def test_what_is_refused_is_named(crossed, domain):
+def test_bad_registration_frame_or_settings_raise_error_naming_the_fault(crossed, domain):
     with pytest.raises(untangled.Refused, match="9"):
         open_session(crossed, domain, num_vertices=6, pins=[9])
     with pytest.raises(untangled.Refused, match="mass"):
@@ -183,7 +185,7 @@ def test_what_is_refused_is_named(crossed, domain):
         session.exchange(crossed.vertices)
 
 
-def test_a_deadline_is_kept_and_other_threads_run(crossed, domain):
+def test_wait_keeps_deadline_and_releases_interpreter_lock(crossed, domain):
     with open_session(crossed, domain) as session:
         counted, done = [0], threading.Event()
 
@@ -203,7 +205,7 @@ def test_a_deadline_is_kept_and_other_threads_run(crossed, domain):
         assert during > 10
 
 
-def test_sessions_in_threads(crossed, domain):
+def test_sessions_in_four_threads_give_same_bytes(crossed, domain):
     values = []
 
     def work():
@@ -218,7 +220,7 @@ def test_sessions_in_threads(crossed, domain):
     assert len(values) == 40 and len(set(values)) == 1
 
 
-def test_one_session_moves_between_threads(crossed, domain):
+def test_session_used_by_threads_in_turn_counts_frames(crossed, domain):
     with open_session(crossed, domain) as session:
         frames = []
 
@@ -233,7 +235,7 @@ def test_one_session_moves_between_threads(crossed, domain):
         assert frames == list(range(1, 31))
 
 
-def test_a_killed_daemon_is_a_missed_frame(crossed, daemon):
+def test_killed_daemon_gives_missed_then_session_registers_again(crossed, daemon):
     with open_session(crossed, daemon.domain) as session:
         session.exchange(crossed.vertices, deadline=DEADLINE)
         daemon.stop(kill=True)

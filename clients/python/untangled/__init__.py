@@ -1,4 +1,4 @@
-"""Brings cloth apart that has gone through itself.
+"""Resolves intersections of cloth: global intersection analysis (GIA) and response.
 
 With a daemon (``untangled serve``), for simulators::
 

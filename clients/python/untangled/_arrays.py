@@ -1,4 +1,4 @@
-"""Arrays of the caller's, checked, as the native half wants them."""
+"""Checks and converts the arrays of a caller for the native half."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def cloth(
     pins: Any,
     layers: Any,
 ) -> Dict[str, Optional[bytes]]:
-    """What a registration and a mesh to analyse have in common, as bytes."""
+    """The arrays that a registration and a mesh to analyse have in common, as bytes."""
     faces = indices("triangles", triangles, 3)
     if uv is None and uv_triangles is not None:
         raise ValueError("uv_triangles without uv")

@@ -1,4 +1,4 @@
-"""A correction, read where the daemon wrote it."""
+"""A correction, read in place in shared memory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Path:
 
     def __init__(self, record: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
         pair, pair_type, path_type, partner, closed, first, count = (int(word) for word in record[:7])
-        # The daemon wrote these numbers: slices stay within what came, whatever they are.
+        # The daemon wrote these numbers; slices stay within the points that were received, for any numbers.
         self.points = points[first : first + count]
         """World positions in metres, `num_points x 3`."""
         self.faces = faces[first : first + count]
@@ -43,7 +43,10 @@ class Paths(Sequence[Path]):
 
     def __init__(self, records: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
         self.records = records
-        """As on the wire: pair, pair type, path type, partner, closed, first point, number of points, zero; `num_paths x 8`."""
+        """`num_paths x 8`, as on the wire.
+
+        Pair, pair type, path type, partner, closed, first point, number of points, zero.
+        """
         self.points = points
         """Points of all paths in metres, `num_points x 3`."""
         self.faces = faces
@@ -68,9 +71,10 @@ class Paths(Sequence[Path]):
 class Correction:
     """The correction of one frame.
 
-    `value`, `force`, `flags` and `paths` are read-only views into shared memory, without a copy. A session lends three corrections at a
-    time, and an array that looks into one holds it: copy what is to be kept (`correction.force.copy()`). Views stay valid for as long as
-    they live, whatever becomes of session and daemon. As a context manager it lets go of its own views at the end.
+    `value`, `force`, `flags` and `paths` are read-only views into shared memory, without a copy. A session lends three
+    corrections at a time, and an array that is a view of one holds it: copy what is to be kept
+    (`correction.force.copy()`). Views stay valid for as long as they live, even after the session is closed and the
+    daemon has ended. As a context manager a correction releases its own views at the end.
     """
 
     def __init__(self, native: NativeCorrection) -> None:
@@ -94,7 +98,8 @@ class Correction:
     def force(self) -> "np.ndarray":
         """`value` of a session with `correction="force"`, in newtons; an error for the other kinds."""
         if self.kind != "force":
-            raise Error(f'the session asked for {self.kind}, not for force: use `value`, or Session(..., correction="force")')
+            hint = 'use `value`, or Session(..., correction="force")'
+            raise Error(f"the session asked for {self.kind}, not for force: {hint}")
         return self.value
 
     @property
@@ -144,11 +149,11 @@ class Correction:
 
     @property
     def summary(self) -> Dict[str, Any]:
-        """All counts, times and what is left over, by name: the header of `proto/PROTOCOL.md`."""
+        """Counts, times, and force and torque left over, by name: the header of `proto/PROTOCOL.md`."""
         return dict(self._header)
 
     def release(self) -> None:
-        """Lets go of the views that this object keeps; those of the caller stay valid."""
+        """Releases the views that this object keeps; those of the caller stay valid."""
         self._native = None
         self._cache.clear()
 
@@ -159,4 +164,5 @@ class Correction:
         self.release()
 
     def __repr__(self) -> str:
-        return f"<untangled.Correction of frame {self.frame}: {self.num_intersections} intersections, {self.num_inside} inside>"
+        counts = f"{self.num_intersections} intersections, {self.num_inside} inside"
+        return f"<untangled.Correction of frame {self.frame}: {counts}>"

@@ -56,7 +56,7 @@ class Analysis:
 
 @dataclass(frozen=True)
 class Fix:
-    """What became of a repair."""
+    """Result of a repair."""
 
     vertices: "np.ndarray"
     """Positions in metres, `num_vertices x 3` of float64; those of the input, bit for bit, if that was clean."""
@@ -65,7 +65,7 @@ class Fix:
     num_iterations: int
     """Iterations that it took."""
     blocked: List[Tuple[str, int, float, str]]
-    """Paths that are left: type, a vertex beside it, length in metres, why."""
+    """Paths that remain: type, a vertex beside the path, length in metres, reason."""
 
     @property
     def clean(self) -> bool:
@@ -73,7 +73,9 @@ class Fix:
         return self.num_intersections == 0
 
 
-def _mesh(vertices: Any, triangles: Any, uv: Any, uv_triangles: Any, rest: Any, pins: Any, layers: Any) -> Dict[str, Any]:
+def _mesh(
+    vertices: Any, triangles: Any, uv: Any, uv_triangles: Any, rest: Any, pins: Any, layers: Any
+) -> Dict[str, Any]:
     positions = _arrays.numbers("vertices", vertices, 3)
     cloth = _arrays.cloth(len(positions), triangles, uv, uv_triangles, rest, pins, layers)
     return {"vertices": positions.tobytes(), **cloth}
@@ -120,8 +122,9 @@ def analyse(
 
 
 def count_intersections(vertices: Any, triangles: Any) -> int:
-    """Edges that pierce a face, by an exact check that shares no code with the untangler: a judge of what it did. Slower than
-    :func:`analyse`.
+    """Number of edges that pierce a face, by an exact check that shares no code with the untangler.
+
+    It judges results of the untangler. Slower than :func:`analyse`.
     """
     positions = _arrays.numbers("vertices", vertices, 3)
     return _native.count_intersections(positions.tobytes(), _arrays.indices("triangles", triangles, 3).tobytes())
@@ -140,7 +143,7 @@ def fix(
     max_iterations: int = 100,
     single_precision: bool = False,
 ) -> Fix:
-    """Moves vertices until nothing intersects, and as little as that takes. For the arguments see :class:`untangled.Session`.
+    """Moves vertices as little as possible until nothing intersects. For the arguments see :class:`untangled.Session`.
 
     `single_precision` rounds every state to float32, so that `vertices.astype(numpy.float32)` is what was checked.
 

@@ -17,9 +17,9 @@ from .correction import KINDS, Correction
 class Session:
     """One cloth that the daemon knows.
 
-    It connects to the daemon of `domain` (else the environment variable `UNTANGLED_DOMAIN`, else `default`), waiting up to `timeout`
-    seconds for it to come up, and registers the cloth. A daemon that died or was restarted is noticed: that frame is
-    :class:`untangled.Missed`, and a later one registers again by itself.
+    It connects to the daemon of `domain` (else the environment variable `UNTANGLED_DOMAIN`, else `default`), waiting
+    up to `timeout` seconds for it to start, and registers the cloth. When the daemon died or was restarted, that frame
+    raises :class:`untangled.Missed`, and a later one registers the session again.
 
     Any thread may use it, one at a time; it waits without the interpreter's lock.
 
@@ -32,9 +32,9 @@ class Session:
         masses: kilograms, `num_vertices`; needed for forces.
         pins: vertices that the simulator does not let move.
         layers: of each vertex, from the body outwards.
-        correction: "force" (N), "acceleration" (m/s^2), "velocity" (change, m/s) or "displacement" (m); by default force where there
-            are masses, else displacement.
-        dtype: float32 or float64: the precision of the positions on their way.
+        correction: "force" (N), "acceleration" (m/s^2), "velocity" (change, m/s) or "displacement" (m); by default
+            force where there are masses, else displacement.
+        dtype: float32 or float64: the precision in which positions are sent.
         paths: whether corrections bring the intersection paths.
         settings: by name, as in `untangled config`, section `settings`; besides, `quality`.
         dt: length of a step in seconds, where a call does not say another.
@@ -71,7 +71,7 @@ class Session:
         if correction not in KINDS:
             raise ValueError(f"correction must be one of {', '.join(KINDS)}, not {correction!r}")
         self.dtype = np.dtype(dtype)
-        """Precision of the positions on their way."""
+        """Precision in which positions are sent."""
         if self.dtype not in (np.float32, np.float64):
             raise TypeError(f"dtype must be float32 or float64, not {self.dtype}")
         self.num_vertices = num_vertices
@@ -99,12 +99,12 @@ class Session:
     def exchange(
         self, positions: Any, dt: Optional[float] = None, *, time: Optional[float] = None, deadline: float = 0.05
     ) -> Correction:
-        """Publishes `positions` (metres, `num_vertices x 3`) and waits up to `deadline` seconds for their correction: lock step.
+        """Publishes `positions` (metres, `num_vertices x 3`) and waits up to `deadline` seconds for their correction.
 
-        Positions are written straight into shared memory, whatever their precision and strides.
+        This is lock step. Positions of any precision and strides are written directly into shared memory.
 
         Raises:
-            Missed: no correction this time. Go on without; the next call tries again.
+            Missed: no correction this time. Go on without it; the next call tries again.
             FrameRefused: a position is not finite, or `dt` can't be used.
         """
         with self.frame(dt, time=time) as slots:
@@ -115,8 +115,10 @@ class Session:
 
     @contextmanager
     def frame(self, dt: Optional[float] = None, *, time: Optional[float] = None) -> "Iterator[np.ndarray]":
-        """Lends the memory of the next frame, `num_vertices x 3`: write every position in it, in metres. The end of the block publishes
-        it, an exception drops it. The array can't be written after that; other views of it must not be.
+        """Lends the memory of the next frame, `num_vertices x 3`: write every position in it, in metres.
+
+        The end of the block publishes the frame, an exception drops it. The array can't be written after that; other
+        views of it must not be.
 
         Raises:
             Missed: the daemon went away; this frame is lost.

@@ -1,4 +1,4 @@
-//! A correction, read where the daemon wrote it.
+//! A correction, read in place in shared memory.
 
 use iceoryx2::sample::Sample;
 use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT};
@@ -11,7 +11,7 @@ use crate::{
 
 pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHeader>;
 
-/// The correction of one frame. It stays in shared memory and readable until it is dropped, whatever becomes of the daemon; a
+/// The correction of one frame. It stays in shared memory and readable until it is dropped, even if the daemon ends; a
 /// session can hold [`CORRECTION_BORROWED`](untangled_proto::limits::CORRECTION_BORROWED) of them less one.
 #[derive(Debug)]
 pub struct Correction {
@@ -41,7 +41,7 @@ impl Correction {
         self.header.frame
     }
 
-    /// Counts, times and what is left over.
+    /// Counts, times, and the force and torque left over.
     #[must_use]
     pub fn header(&self) -> &CorrectionHeader {
         &self.header
@@ -53,8 +53,8 @@ impl Correction {
         self.sample.payload()
     }
 
-    /// The intersection paths of the frame. Nothing where they were not asked for at registration, or where shared memory did not
-    /// hold them.
+    /// The intersection paths of the frame. Nothing where they were not asked for at registration, or where shared
+    /// memory did not hold them.
     #[must_use]
     pub fn paths(&self) -> Option<Paths<'_>> {
         self.paths.as_ref().and_then(PathsSample::paths)

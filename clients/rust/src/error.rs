@@ -1,4 +1,4 @@
-//! One error for each thing that a host does.
+//! Errors: one type for each operation of a host.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 use untangled_proto::Status;
 use untangled_transport::DomainError;
 
-/// Why a request to the daemon came to nothing.
+/// Why a request to the daemon failed.
 #[derive(Clone, Debug, Error)]
 pub enum RequestError {
     /// No daemon serves the domain.
@@ -20,15 +20,15 @@ pub enum RequestError {
     Timeout {
         /// The domain.
         domain: String,
-        /// How long it was given.
+        /// How long was waited.
         waited: Duration,
     },
     /// The daemon refused.
     #[error("the untangled daemon refused ({status:?}): {message}")]
     Refused {
-        /// Why, for programs.
+        /// The reason as a code.
         status: Status,
-        /// Why, in words: element and value at fault.
+        /// The reason in words, with the element and the value at fault.
         message: String,
     },
     /// Shared memory is too full for the samples.
@@ -44,7 +44,7 @@ pub enum RequestError {
     Transport {
         /// What was tried.
         what: &'static str,
-        /// What iceoryx2 says.
+        /// The error of iceoryx2.
         reason: String,
     },
 }
@@ -54,7 +54,7 @@ impl RequestError {
         Self::Transport { what, reason: format!("{reason:?}") }
     }
 
-    /// Whether trying again may help: daemons come up, and places in services that the dead still hold become free.
+    /// Whether another attempt may succeed: daemons start, and places in services that dead nodes occupy become free.
     pub(crate) fn may_pass(&self) -> bool {
         matches!(self, Self::NoDaemon { .. } | Self::Transport { .. })
     }
@@ -160,7 +160,7 @@ pub enum WaitError {
     /// The transport failed; most likely too many corrections are held.
     #[error("receiving a correction: {reason}")]
     Receive {
-        /// What iceoryx2 says.
+        /// The error of iceoryx2.
         reason: String,
     },
 }
@@ -174,12 +174,12 @@ pub enum NewestError {
     /// The transport failed; most likely too many corrections are held.
     #[error("receiving a correction: {reason}")]
     Receive {
-        /// What iceoryx2 says.
+        /// The error of iceoryx2.
         reason: String,
     },
 }
 
-/// Why an exchange came to nothing.
+/// Why an exchange failed.
 #[derive(Clone, Debug, Error)]
 pub enum ExchangeError {
     /// The state was not published.

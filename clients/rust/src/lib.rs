@@ -24,16 +24,24 @@
 //! # }
 //! ```
 //!
-//! Nothing here installs signal handlers, starts threads, or blocks beyond a deadline that the caller gave. A daemon that died
-//! or was restarted is noticed, and the session registers again by itself at its next call: see [`Session`].
+//! This crate installs no signal handlers, starts no threads, and does not block beyond a deadline that the caller
+//! gave. It notices a daemon that died or was restarted, and registers the session again at its next call: see
+//! [`Session`].
+//!
+//! Modules, each using only those before it: `error`, `memory`, `poll`; `connection` (node and control services),
+//! `request` (one request and its reply), `registration`; `paths`, `link` (ports of a session), `reconnect` (registers
+//! again), `loan`, `correction`; `session`; `client`.
 
 mod client;
+mod connection;
 mod correction;
 mod error;
 mod link;
 mod loan;
-mod looks;
+mod memory;
 mod paths;
+mod poll;
+mod reconnect;
 mod registration;
 mod request;
 mod session;
@@ -43,13 +51,16 @@ pub use correction::Correction;
 pub use error::{
     ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
 };
-pub use loan::{Loan, LoanMemory};
+pub use loan::{Loan, LoanMemory, StepTime};
 pub use paths::Paths;
 pub use registration::{Registration, Uvs};
-pub use session::{Session, StepTime};
-pub use untangled_proto::{CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type, paths::{PathPoint, PathRecord, path_type}};
+pub use session::Session;
+pub use untangled_proto::{
+    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
+    paths::{PathPoint, PathRecord, path_type},
+};
 
-/// The README's first client compiles.
+/// Compiles the first client of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

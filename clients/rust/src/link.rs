@@ -14,12 +14,14 @@ use untangled_transport::{
 
 use crate::{
     error::RequestError,
+    memory::{check_memory, commit_memory},
     paths::PathsPort,
+    poll::SLICE,
     registration::Registration,
-    request::{Reply, check_memory, commit_memory},
+    request::Reply,
 };
 
-/// Where positions are written.
+/// Publishes states, in the precision of the session.
 #[derive(Debug)]
 pub(crate) enum StatePort {
     F32(Publisher<Ipc, [PositionF32], StateHeader>),
@@ -34,7 +36,7 @@ pub(crate) struct Link {
     pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) paths: Option<PathsPort>,
-    /// When the daemon's process was last looked at.
+    /// When the daemon's process was last checked.
     pub(crate) checked: Instant,
     service: CorrectionService,
 }
@@ -80,13 +82,19 @@ impl Link {
         Ok(Self { session, states, corrections, listener, paths, checked: Instant::now(), service })
     }
 
-    /// Whether the daemon has closed its side, or somebody cleaned up behind it. A look into shared memory.
-    pub(crate) fn is_closed(&self) -> bool {
+    /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.
+    fn is_closed(&self) -> bool {
         self.service.dynamic_config().number_of_publishers() == 0
     }
 
-    /// Whether the daemon's process is gone. Asks the system, so this is for when nothing comes.
-    pub(crate) fn is_dead(&mut self) -> bool {
+    /// Whether the daemon has closed its side or its process is gone. Asks the system only if nothing has come for a
+    /// while.
+    pub(crate) fn is_gone(&mut self) -> bool {
+        self.is_closed() || (self.checked.elapsed() >= SLICE && self.is_dead())
+    }
+
+    /// Whether the daemon's process is gone. Costs system calls, so it is called only while nothing comes.
+    fn is_dead(&mut self) -> bool {
         self.checked = Instant::now();
         let mut dead = false;
         let listed = self.service.nodes(|node| {

@@ -1,4 +1,4 @@
-//! A state on its way: memory of the daemon's that the host writes into.
+//! A state that is being written: shared memory that the host writes positions into.
 
 use std::sync::Arc;
 
@@ -6,10 +6,19 @@ use iceoryx2::{port::publisher::Publisher, prelude::ZeroCopySend, sample_mut::Sa
 use untangled_proto::{PositionF32, PositionF64, StateHeader};
 use untangled_transport::services::Ipc;
 
-use crate::{error::RequestError, link::StatePort, session::StepTime};
+use crate::{error::RequestError, link::StatePort};
 
-/// A state that is being written, in shared memory: for hosts that can't write all of it in one call. A session lends one at a time.
-/// Dropped unsent, it was never there.
+/// When a state is from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTime {
+    /// Simulated time in seconds.
+    pub simulated_s: f64,
+    /// Length of the step in which the correction will be applied, in seconds.
+    pub dt_s: f64,
+}
+
+/// A state that is being written, in shared memory: for hosts that can't write all of it in one call. A session lends
+/// one at a time. A loan that is dropped unsent has no effect.
 #[derive(Debug)]
 pub struct Loan {
     sample: Loaned,
@@ -18,8 +27,9 @@ pub struct Loan {
     memory: LoanMemory,
 }
 
-/// Keeps the memory that was lent by a session in place, though not its contents: for bindings to languages in which somebody may look
-/// there after the state was sent or the session has ended. Until it is dropped, the daemon takes the host for there.
+/// Keeps the memory that a session lent mapped, though not its contents: for bindings to languages in which a program
+/// may read there after the state was sent or the session has ended. Until it is dropped, the daemon takes the host for
+/// alive.
 #[derive(Clone, Debug)]
 pub struct LoanMemory(#[expect(dead_code, reason = "held for its memory")] Arc<StatePort>);
 
@@ -38,14 +48,14 @@ impl Loan {
         Ok(Self { sample, step, num_registrations, memory: LoanMemory(Arc::clone(states)) })
     }
 
-    /// What keeps the positions' memory in place.
+    /// A guard that keeps the memory of the positions mapped.
     #[must_use]
     pub fn memory(&self) -> LoanMemory {
         self.memory.clone()
     }
 
-    /// Positions in metres, `num_vertices x 3`, of a session in single precision; nothing in double. They hold what an earlier frame
-    /// left there, so every one must be written.
+    /// Positions in metres, `num_vertices x 3`, of a session in single precision; nothing in double. They hold values
+    /// of an earlier frame, so every one must be written.
     #[must_use]
     pub fn positions_f32(&mut self) -> Option<&mut [[f32; 3]]> {
         match &mut self.sample {
@@ -84,8 +94,8 @@ fn loan<P: std::fmt::Debug + ZeroCopySend + 'static>(
     let sample = publisher
         .loan_slice_uninit(publisher.initial_max_slice_len())
         .map_err(|error| RequestError::transport("loaning a state", &error))?;
-    // SAFETY: the memory is a file mapping, which the system hands out zeroed and which only ever held positions, and every
-    // pattern of bits is a valid `[f32; 3]` or `[f64; 3]`, the only instances of `P`.
+    // SAFETY: the memory is a file mapping, which the system provides zeroed and which only ever held positions, and
+    // every pattern of bits is a valid `[f32; 3]` or `[f64; 3]`, the only instances of `P`.
     Ok(unsafe { sample.assume_init() })
 }
 

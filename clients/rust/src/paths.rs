@@ -1,4 +1,4 @@
-//! The intersection paths of a frame, read where the daemon wrote them.
+//! The intersection paths of a frame, read in place in shared memory.
 
 use iceoryx2::{port::subscriber::Subscriber, prelude::Node, sample::Sample};
 use untangled_proto::paths::{PathPoint, PathRecord, PathsHeader};
@@ -6,18 +6,18 @@ use untangled_transport::services::{self, Ipc};
 
 use crate::error::RequestError;
 
-/// Paths as they came.
+/// Paths as they were received.
 #[derive(Debug)]
 pub(crate) struct PathsSample {
     header: PathsHeader,
     sample: Sample<Ipc, [u8], PathsHeader>,
 }
 
-/// Where paths come in, before the correction of their frame.
+/// Receives paths; they come before the correction of their frame.
 #[derive(Debug)]
 pub(crate) struct PathsPort {
     subscriber: Subscriber<Ipc, [u8], PathsHeader>,
-    /// Came together with a correction of an older frame.
+    /// Paths of a newer frame than the last correction.
     early: Option<PathsSample>,
 }
 

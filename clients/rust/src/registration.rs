@@ -1,4 +1,4 @@
-//! What a host says about its cloth, once.
+//! A registration: what a host tells the daemon about its cloth, once.
 
 use untangled_proto::{CorrectionKind, Precision, RegisterParams, limits, sections::SectionWriter, sections::id};
 
@@ -21,7 +21,7 @@ pub struct Registration {
     pub layers: Option<Vec<u32>>,
     /// Precision of the positions that will be published.
     pub precision: Precision,
-    /// What corrections shall be.
+    /// The unit of corrections.
     pub correction: CorrectionKind,
     /// Whether corrections shall bring the intersection paths of their frame, for pictures and statistics.
     pub paths: bool,

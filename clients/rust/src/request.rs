@@ -8,11 +8,17 @@ use iceoryx2::{
     port::{client::Client as RequestPort, listener::Listener},
 };
 use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names};
-use untangled_transport::{Domain, memory, services::Ipc};
+use untangled_transport::services::Ipc;
 
-use crate::{client::Shared, error::RequestError, looks::Looks};
+use crate::{
+    connection::Connection,
+    error::RequestError,
+    memory::{check_memory, commit_memory},
+    poll::Backoff,
+};
 
-/// A request on its way. It has a port of its own, so that a large registration does not keep its memory for good.
+/// A request that was sent. It has a port of its own, so that the memory of a large registration is freed after the
+/// reply.
 #[derive(Debug)]
 pub(crate) struct Pending {
     response: PendingResponse<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
@@ -33,29 +39,30 @@ pub(crate) struct Reply {
 impl Pending {
     /// Sends a request and wakes the daemon.
     pub(crate) fn send(
-        shared: &Shared,
+        connection: &Connection,
         kind: RequestKind,
         session: u64,
         payload: &[u8],
         num_sections: u32,
     ) -> Result<Self, RequestError> {
-        let server =
-            shared.server().ok_or_else(|| RequestError::NoDaemon { domain: shared.domain.name().to_owned() })?;
+        let server = connection
+            .server()
+            .ok_or_else(|| RequestError::NoDaemon { domain: connection.domain.name().to_owned() })?;
         let needed = limits::request_segment_bytes(payload.len());
         check_memory(needed)?;
         // Listening begins before the request leaves, so that the reply's event can't be missed.
-        let listener = shared
+        let listener = connection
             .replies
             .listener_builder()
             .create()
             .map_err(|error| RequestError::transport("creating a listener", &error))?;
-        let port = shared
+        let port = connection
             .control
             .client_builder()
             .initial_max_slice_len(payload.len().max(1))
             .create()
             .map_err(|error| RequestError::transport("creating a request port", &error))?;
-        commit_memory(&shared.domain, port.id().value(), needed)?;
+        commit_memory(&connection.domain, port.id().value(), needed)?;
         let token = halves(port.id().value());
         let mut request = port
             .loan_slice_uninit(payload.len())
@@ -72,13 +79,13 @@ impl Pending {
             .write_from_slice(payload)
             .send()
             .map_err(|error| RequestError::transport("sending a request", &error))?;
-        shared.wake(names::EVENT_REQUEST);
+        connection.wake(names::EVENT_REQUEST);
         Ok(Self { response, listener, _port: port, server, token, sent: Instant::now() })
     }
 
-    /// Waits for the reply. At the deadline the request is still on its way: try again, or drop it.
-    pub(crate) fn poll(&self, shared: &Shared, deadline: Instant) -> Result<Option<Reply>, RequestError> {
-        let mut looks = Looks::new();
+    /// Waits for the reply, up to the deadline. Without a reply the request is still open: call again, or drop it.
+    pub(crate) fn poll(&self, connection: &Connection, deadline: Instant) -> Result<Option<Reply>, RequestError> {
+        let mut backoff = Backoff::new();
         loop {
             if let Some(reply) = self.receive()? {
                 return Ok(Some(reply));
@@ -87,18 +94,18 @@ impl Pending {
             if left.is_zero() {
                 return Ok(None);
             }
-            // A daemon that took its place never saw the request.
-            if shared.server() != Some(self.server) {
-                return Err(RequestError::NoDaemon { domain: shared.domain.name().to_owned() });
+            // Another server is another daemon, which has not seen the request.
+            if connection.server() != Some(self.server) {
+                return Err(RequestError::NoDaemon { domain: connection.domain.name().to_owned() });
             }
-            looks.sleep(&self.listener, left);
+            backoff.sleep(&self.listener, left);
         }
     }
 
-    /// Waits for the reply, for good.
-    pub(crate) fn wait(self, shared: &Shared, deadline: Instant) -> Result<Reply, RequestError> {
-        self.poll(shared, deadline)?.ok_or_else(|| RequestError::Timeout {
-            domain: shared.domain.name().to_owned(),
+    /// Waits for the reply, up to the deadline; then the request is dropped.
+    pub(crate) fn wait(self, connection: &Connection, deadline: Instant) -> Result<Reply, RequestError> {
+        self.poll(connection, deadline)?.ok_or_else(|| RequestError::Timeout {
+            domain: connection.domain.name().to_owned(),
             waited: self.sent.elapsed(),
         })
     }
@@ -108,7 +115,7 @@ impl Pending {
             let received = self.response.receive();
             match received.map_err(|error| RequestError::transport("receiving a reply", &error))? {
                 Some(response) if response.user_header().token == self.token => break response,
-                // It was meant for a client that is gone and whose place this one took.
+                // A late reply to a client that is gone, whose slot this one took.
                 Some(_) => {}
                 None => return Ok(None),
             }
@@ -125,24 +132,4 @@ impl Pending {
 #[expect(clippy::cast_possible_truncation, reason = "the lower half is what is wanted")]
 fn halves(id: u128) -> [u64; 2] {
     [id as u64, (id >> 64) as u64]
-}
-
-/// Whether shared memory holds this much more. Asked before each port is made, since making it already writes a little.
-pub(crate) fn check_memory(needed: u64) -> Result<(), RequestError> {
-    match memory::free() {
-        Ok(free) if free < needed => Err(RequestError::NotEnoughMemory { needed, free }),
-        // Where the system does not say, nothing is known against it.
-        _ => Ok(()),
-    }
-}
-
-/// Takes the shared memory of a port, which must be dropped on an error: running out of it later would end the process.
-pub(crate) fn commit_memory(domain: &Domain, port_id: u128, needed: u64) -> Result<(), RequestError> {
-    match memory::commit(domain, port_id) {
-        Ok(_) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::StorageFull => {
-            Err(RequestError::NotEnoughMemory { needed, free: memory::free().unwrap_or(0) })
-        }
-        Err(error) => Err(RequestError::transport("taking shared memory", &error)),
-    }
 }

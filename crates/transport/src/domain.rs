@@ -1,7 +1,8 @@
-//! Where a daemon and its clients meet: a private corner of iceoryx2.
+//! A domain: a private corner of iceoryx2 in which one daemon and its clients meet.
 //!
-//! A domain has a name. Its root folder is `$XDG_RUNTIME_DIR/untangled/NAME`, or `/tmp/untangled-UID/NAME` where that variable is
-//! not set; its shared memory has the prefix `untangled-UID-HASH-`, where HASH stands for the root folder. Different names never meet.
+//! A domain has a name. Its root folder is `$XDG_RUNTIME_DIR/untangled/NAME`, or `/tmp/untangled-UID/NAME` where that
+//! variable is not set; its shared memory has the prefix `untangled-UID-HASH-`, where HASH stands for the root folder.
+//! Different names never meet.
 
 use std::{
     fs::Permissions,
@@ -14,7 +15,7 @@ use thiserror::Error;
 
 /// Environment variable with the name of the domain, where none is given.
 pub const DOMAIN_VARIABLE: &str = "UNTANGLED_DOMAIN";
-/// The domain of whoever does not choose one.
+/// The domain where none is chosen.
 pub const DEFAULT_DOMAIN: &str = "default";
 /// Longest name of a domain in bytes.
 pub const MAX_NAME_BYTES: usize = 24;
@@ -32,7 +33,8 @@ pub enum DomainError {
     },
     /// The root folder's path is too long.
     #[error(
-        "the path {path} has {length} bytes, but sockets below it only work up to {MAX_ROOT_BYTES}: choose a shorter domain name \
+        "the path {path} has {length} bytes, but sockets below it only work up to {MAX_ROOT_BYTES}: \
+         choose a shorter domain name \
          or set XDG_RUNTIME_DIR to a shorter folder"
     )]
     RootTooLong {
@@ -52,10 +54,10 @@ pub enum DomainError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The folder belongs to somebody else, or others may write to it.
+    /// The folder belongs to another user, or other users may write to it.
     #[error("folder {path} must belong to user {uid} and be closed to others (it belongs to {owner}, mode {mode:o})")]
     Foreign {
         /// The folder.
@@ -141,7 +143,7 @@ impl Domain {
         std::fs::metadata(self.lock_path()).is_ok_and(|metadata| metadata.len() > 0)
     }
 
-    /// Makes the folder of all domains where it is missing.
+    /// Creates the folder of all domains where it is missing.
     ///
     /// # Errors
     /// [`DomainError::Folder`].
@@ -149,7 +151,7 @@ impl Domain {
         create_private(self.root.parent().unwrap_or(&self.root))
     }
 
-    /// Makes the root folder where it is missing, and checks that it is ours alone: the daemon's part.
+    /// Creates the root folder where it is missing, and checks that it belongs to this user alone. For the daemon.
     ///
     /// # Errors
     /// [`DomainError::Folder`] and [`DomainError::Foreign`].
@@ -159,7 +161,7 @@ impl Domain {
         self.check_folders()
     }
 
-    /// Checks that the root folder is there, and ours alone.
+    /// Checks that the root folder exists and belongs to this user alone.
     ///
     /// # Errors
     /// [`DomainError::Folder`] and [`DomainError::Foreign`].
@@ -167,7 +169,7 @@ impl Domain {
         let base = self.root.parent().unwrap_or(&self.root);
         for path in [base, &self.root] {
             let failed = |source| DomainError::Folder { path: path.to_owned(), source };
-            // Not following links: in a shared /tmp somebody else could have put one there.
+            // Links are not followed: in a shared /tmp another user could have put one there.
             let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
             let (uid, owner, mode) = (rustix::process::getuid().as_raw(), metadata.uid(), metadata.mode() & 0o777);
             if owner != uid || !metadata.is_dir() || mode & 0o022 != 0 {
@@ -186,8 +188,8 @@ impl Domain {
         let root = iceoryx2::prelude::Path::new(self.root.as_os_str().as_encoded_bytes()).map_err(|_| refused())?;
         let mut config = Config::default();
         config.global.set_root_path(&root);
-        // The daemon alone cleans up behind the dead: it may take long, a client has deadlines, and one that is killed while it cleans
-        // leaves what nobody removes any more.
+        // Only the daemon cleans up dead nodes: cleanup may take longer than a client's deadline, and a client that is
+        // killed during a cleanup leaves files that nothing removes.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
@@ -200,7 +202,8 @@ fn create_private(path: &Path) -> Result<(), DomainError> {
     let failed = |source| DomainError::Folder { path: path.to_owned(), source };
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
     let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
-    // iceoryx2 changes the process's umask for a moment whenever it makes a listener, and a process that is started just then keeps it.
+    // iceoryx2 changes the umask of the process for a moment when it creates a listener; a child that is started at
+    // that moment inherits the changed umask.
     if metadata.uid() == rustix::process::getuid().as_raw() && metadata.is_dir() && metadata.mode() & 0o700 != 0o700 {
         std::fs::set_permissions(path, Permissions::from_mode(0o700)).map_err(failed)?;
     }
@@ -217,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_made_under_a_strange_umask_are_put_right() {
+    fn create_folders_repairs_mode_of_existing_folder() {
         let base = std::env::temp_dir().join(format!("umask-{}", std::process::id()));
         let domain = Domain::new("test", Some(&base), rustix::process::getuid().as_raw()).unwrap();
         domain.create_folders().unwrap();
@@ -229,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_paths() {
+    fn new_derives_paths_and_rejects_bad_names_and_long_roots() {
         let domain = Domain::new("test", Some(Path::new("/run/user/7")), 7).unwrap();
         assert_eq!(domain.root(), Path::new("/run/user/7/untangled/test"));
         assert_eq!(domain.lock_path(), Path::new("/run/user/7/untangled/test.lock"));

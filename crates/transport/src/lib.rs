@@ -1,10 +1,19 @@
 //! How the daemon and its clients meet: domains, the lock of a domain, the iceoryx2 services, and their shared memory.
 //!
-//! What crosses them is plain data, in `untangled_proto`.
+//! The data that crosses them is defined in `untangled_proto`.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`domain`] | names, root folder and prefix of a private corner of iceoryx2; who may use it |
+//! | [`lock`] | one daemon at a time in a domain; wipes a domain that no process uses |
+//! | [`services`] | creates and opens the iceoryx2 services |
+//! | [`memory`] | free space, committed pages, unfinished segments |
+//! | [`process_id`] | process ids in the names of files, to find resources of crashed peers |
 
 pub mod domain;
 pub mod lock;
 pub mod memory;
+pub mod process_id;
 pub mod services;
 
 pub use domain::{Domain, DomainError};

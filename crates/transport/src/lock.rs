@@ -1,7 +1,8 @@
-//! The lock of a domain: one daemon at a time, and nothing left behind.
+//! The lock of a domain: one daemon at a time, and cleanup of a domain that no process uses.
 //!
-//! A daemon holds it while it serves. Whoever leaves a domain last, daemon or client, takes it for a moment and wipes what
-//! iceoryx2 leaves: a few management files, and all that killed processes could not remove.
+//! A daemon holds the lock while it serves. The last process that leaves a domain, daemon or client, takes it for a
+//! moment and wipes the files that iceoryx2 does not remove: a few management files, and all resources of crashed
+//! peers.
 
 use std::{
     fs::{File, OpenOptions},
@@ -14,15 +15,13 @@ use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 use rustix::fs::{FlockOperation, flock};
 use thiserror::Error;
 
-use crate::{Domain, DomainError, services::Ipc};
-
-const SHARED_MEMORY: &str = "/dev/shm";
+use crate::{Domain, DomainError, memory, services::Ipc};
 
 /// Why a domain's lock was not taken.
 #[derive(Debug, Error)]
 pub enum LockError {
     /// A daemon has it.
-    #[error("another daemon{} serves domain `{domain}`", pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    #[error("another daemon{} serves domain `{domain}`", in_brackets(*pid))]
     Held {
         /// The domain.
         domain: String,
@@ -37,12 +36,16 @@ pub enum LockError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
 }
 
-/// The right to serve or to wipe a domain. The system takes it back when the process ends, however it does.
+fn in_brackets(pid: Option<u32>) -> String {
+    pid.map(|pid| format!(" (process {pid})")).unwrap_or_default()
+}
+
+/// The right to serve or to wipe a domain: an `flock`, which the system releases when the process ends in any way.
 ///
 /// The control service has room for one server as well, but wiping must be excluded before there is any service.
 #[derive(Debug)]
@@ -52,7 +55,7 @@ pub struct DomainLock<'a> {
 }
 
 impl<'a> DomainLock<'a> {
-    /// Takes the right, or says who has it. Does not wait.
+    /// Takes the lock; an error names the process that holds it. Does not wait.
     ///
     /// # Errors
     /// [`LockError`].
@@ -99,7 +102,7 @@ impl<'a> DomainLock<'a> {
         self.file.set_len(0).map_err(|source| LockError::File { path: self.domain.lock_path(), source })
     }
 
-    /// Removes what dead processes left in the root folder and in shared memory, if no process uses the domain.
+    /// Removes the root folder and all files of the domain in shared memory, if no live process uses the domain.
     ///
     /// # Errors
     /// [`LockError::File`] and [`LockError::Domain`].
@@ -109,7 +112,7 @@ impl<'a> DomainLock<'a> {
             used |= !matches!(node, NodeState::Dead(_));
             if used { CallbackProgression::Stop } else { CallbackProgression::Continue }
         });
-        // What can't be listed may be in use.
+        // A domain whose nodes can't be listed may be in use.
         if used || listed.is_err() {
             return Ok(());
         }
@@ -117,20 +120,20 @@ impl<'a> DomainLock<'a> {
             let path = path.to_owned();
             move |source| LockError::File { path, source }
         };
-        // Moved away first: somebody who comes too early then can't write into what is being removed.
+        // Renamed first, so that a process that comes too early can't write into a folder that is being removed.
         let root = self.domain.root();
         let old = root.with_extension("old");
         let _ = std::fs::remove_dir_all(&old);
         match std::fs::rename(root, &old) {
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => return Err(failed(root)(error)),
-            // What is left of it goes with the next wipe.
+            // The next wipe removes files that could not be removed now.
             Ok(()) => drop(std::fs::remove_dir_all(&old)),
         }
-        let folder = Path::new(SHARED_MEMORY);
+        let folder = Path::new(memory::FOLDER);
         for entry in std::fs::read_dir(folder).map_err(failed(folder))?.flatten() {
             if entry.file_name().as_encoded_bytes().starts_with(self.domain.prefix().as_bytes()) {
-                // Whoever else removes it meanwhile is welcome.
+                // Another process may have removed it meanwhile.
                 let _ = std::fs::remove_file(entry.path());
             }
         }
@@ -138,7 +141,8 @@ impl<'a> DomainLock<'a> {
     }
 }
 
-/// Wipes the domain on the way out, if nobody else is left. Nothing that fails here matters to whoever leaves.
+/// Wipes the domain when it is dropped, if no other process uses the domain. Errors are ignored: the next process that
+/// leaves or the next daemon tries again.
 #[derive(Debug)]
 pub struct WipeOnLeave(pub Domain);
 

@@ -1,6 +1,7 @@
-//! The iceoryx2 services with their quality of service: both sides build them here, so that they always agree.
+//! The iceoryx2 services and their quality of service. Both sides create and open them here, so that they agree.
 //!
-//! The daemon creates, clients open. Opening states no numbers, so that a client takes what the daemon chose.
+//! The daemon creates services, clients open them. Opening states no limits, so that a client takes those of the
+//! daemon.
 
 use iceoryx2::{
     prelude::*,
@@ -17,7 +18,7 @@ use iceoryx2::{
 use untangled_proto::paths::PathsHeader;
 use untangled_proto::{control::{ReplyHeader, RequestHeader}, correction::{CorrectionHeader, VertexCorrection}, limits, names, state::StateHeader};
 
-/// The flavour of iceoryx2 whose ports may move between threads. Peers of the other flavour can talk to it.
+/// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
 pub type Ipc = ipc_threadsafe::Service;
 /// The control service.
 pub type Control = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
@@ -44,7 +45,7 @@ fn payload_alignment() -> Alignment {
 /// Opens or creates the control service; only the daemon makes a server for it.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOrCreateError> {
     node.service_builder(&service_name(names::CONTROL))
         .request_response::<[u8], [u8]>()
@@ -65,7 +66,7 @@ pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOr
 /// Opens the control service.
 ///
 /// # Errors
-/// As iceoryx2 says; it does not exist where no daemon runs.
+/// The error of iceoryx2; the service does not exist where no daemon runs.
 pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenError> {
     node.service_builder(&service_name(names::CONTROL))
         .request_response::<[u8], [u8]>()
@@ -79,7 +80,7 @@ pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenErro
 /// Opens or creates one of the two events that all clients share.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_shared_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenOrCreateError> {
     node.service_builder(&service_name(name))
         .event()
@@ -93,7 +94,7 @@ pub fn create_shared_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventO
 /// Opens an event.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError> {
     node.service_builder(&service_name(name)).event().open()
 }
@@ -101,7 +102,7 @@ pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError>
 /// Creates the event of a session.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventCreateError> {
     node.service_builder(&service_name(name))
         .event()
@@ -117,7 +118,7 @@ pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, Event
 /// Creates a state service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
     node: &Node<Ipc>,
     name: &str,
@@ -139,7 +140,7 @@ pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
 /// Opens a state service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
     node: &Node<Ipc>,
     name: &str,
@@ -154,7 +155,7 @@ pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
 /// Creates a correction service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
@@ -173,7 +174,7 @@ pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServ
 /// Opens a correction service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
@@ -185,7 +186,7 @@ pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServic
 /// Creates a paths service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[u8]>()
@@ -204,7 +205,7 @@ pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, Publis
 /// Opens a paths service.
 ///
 /// # Errors
-/// As iceoryx2 says.
+/// The error of iceoryx2.
 pub fn open_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeOpenError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[u8]>()

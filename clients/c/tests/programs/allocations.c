@@ -1,5 +1,5 @@
-/* The calls of a frame take no memory but for the one small block by which iceoryx2 keeps a loan. Arguments: the domain of a running
- * daemon. */
+/* The calls of a frame allocate nothing except for the one small block by which iceoryx2 keeps a loan. Arguments: the
+ * domain of a running daemon. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,7 +52,8 @@ static void lock_step(untangled_session session) {
     check(untangled_send_frame(session, &frame));
     check(untangled_wait(session, frame, 60000000, &correction));
     if (correction.num_edge_face_intersections != 2 || correction.num_paths != 2) {
-        fprintf(stderr, "%llu edges, %zu paths\n", (unsigned long long)correction.num_edge_face_intersections, correction.num_paths);
+        fprintf(stderr, "%llu edges, %zu paths\n", (unsigned long long)correction.num_edge_face_intersections,
+                correction.num_paths);
         exit(1);
     }
     check(untangled_release(session, &correction));
@@ -96,7 +97,8 @@ int main(int argc, char **argv) {
         const unsigned long before = taken;
         lock_step(session);
         const double now = now_s();
-        /* Where nothing has come for 50 ms the daemon's process is looked at, which takes memory: on a busy machine such frames say nothing. */
+        /* Where nothing has come for 50 ms the client checks the daemon's process, which allocates: frames that take as
+         * long, on a busy machine, are not counted. */
         if (now - last < 0.04) {
             ++judged;
             bad += taken - before > 1;

@@ -1,4 +1,4 @@
-/* Sends the frames of a file and writes down what comes back: frames DOMAIN SCENE OUT [REPEATS]. See `tests/support/frames.rs`.
+/* Sends the frames of a file and writes their corrections to a file: frames DOMAIN SCENE OUT [REPEATS].
  *
  * With REPEATS every frame is sent that often, and the median round trip is printed, in microseconds. */
 #include <stdio.h>

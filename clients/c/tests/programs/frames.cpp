@@ -45,7 +45,8 @@ int main(int argc, char **argv) {
             auto frame = session.begin_frame(0.0, 0.01);
             std::memcpy(frame.positions().data(), &frames[3 * num_vertices * k], 12 * num_vertices);
             const auto correction = session.wait(frame.send(), deadline);
-            times.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+            const auto end = std::chrono::steady_clock::now();
+            times.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
             if (repeat == 0) {
                 write(out, correction.vertices());
                 write(out, correction.paths());

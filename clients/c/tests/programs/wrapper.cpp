@@ -14,7 +14,8 @@
     } while (0)
 
 static_assert(!std::is_copy_constructible_v<untangled::Client> && !std::is_copy_constructible_v<untangled::Session> &&
-              !std::is_copy_constructible_v<untangled::Correction> && !std::is_copy_constructible_v<untangled::Frame<float>>);
+              !std::is_copy_constructible_v<untangled::Correction> &&
+               !std::is_copy_constructible_v<untangled::Frame<float>>);
 
 template <class Call> static untangled_error error_of(Call call) {
     try {

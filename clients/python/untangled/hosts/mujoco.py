@@ -7,9 +7,10 @@
             untangler.before_step()
             mujoco.mj_step(model, data)
 
-The force is in newtons, in `data.qfrc_applied` of the flex's vertices, held for `every` steps. MuJoCo has no switch for self-collision by vertex:
-the mask switches that of the whole flex off (`model.flex_selfcollide`) for as long as any vertex is masked. So while a tangle is resolved, new ones
-may come about elsewhere, and where layers lean on each other it does not end: clients/python/README.md has a table.
+The force is in newtons, in `data.qfrc_applied` of the flex's vertices, held for `every` steps. MuJoCo has no switch for
+self-collision by vertex: the mask switches that of the whole flex off (`model.flex_selfcollide`) for as long as any
+vertex is masked. So while a tangle is resolved, new ones may arise elsewhere, and where layers lean on each other this
+does not end: clients/python/README.md has a table.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ class Untangler:
 
     Args:
         flex: id or name; of dimension 2, with a body for each vertex.
-        every: steps between two exchanges. A correction is a push of a good part of an edge length in `every` steps: with MuJoCo's short steps, one in
-            a single step would be a blow.
+        every: steps between two exchanges. A correction is a displacement by a good part of an edge length in `every`
+            steps: in a single one of MuJoCo's short steps it would be an impact.
         uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
         deadline: seconds to wait for a correction before the steps go on without.
         use_force, use_mask: switches for comparisons. Neither alone untangles.
@@ -63,7 +64,8 @@ class Untangler:
         self._vertices = slice(first, first + count)
         self._bodies = model.flex_vertbodyid[self._vertices].copy()
         # A free vertex has three joints of its own; all others are pinned to something.
-        free = (model.body_dofnum[self._bodies] == 3) & (np.bincount(self._bodies, minlength=model.nbody)[self._bodies] == 1)
+        num_vertices = np.bincount(self._bodies, minlength=model.nbody)
+        free = (model.body_dofnum[self._bodies] == 3) & (num_vertices[self._bodies] == 1)
         self._free = np.flatnonzero(free)
         self._dofs = model.body_dofadr[self._bodies[self._free]][:, None] + np.arange(3)
         self._force = np.zeros((len(self._free), 3))
@@ -88,8 +90,10 @@ class Untangler:
         )
 
     def before_step(self) -> Optional[Correction]:
-        """Exchanges once in `every` steps, and applies force and mask in each. Returns the correction where there was an exchange and it came in
-        time; else, after a missed one, the steps go on without help.
+        """Exchanges once in `every` steps, and applies force and mask in each.
+
+        Returns the correction where there was an exchange and it came in time. After a missed one the steps go on
+        without help.
         """
         correction = None
         if self._countdown == 0:

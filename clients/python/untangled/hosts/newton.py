@@ -10,9 +10,10 @@
             solver.step(state_0, state_1, control, contacts, dt)
             state_0, state_1 = state_1, state_0
 
-The force is in newtons, in `state.particle_f`, for one step. The mask is the solver's own contact list: after each collision detection the
-pairs that touch a masked vertex are struck out. That list is private to Newton, hence the version. Without the mask VBD keeps a tangle for
-ever, whatever pulls at it: it lets no vertex move through what it has found near.
+The force is in newtons, in `state.particle_f`, for one step. The mask is applied to the solver's own contact list:
+after each collision detection the pairs that touch a masked vertex are struck out. That list is private to Newton,
+hence the version. Without the mask VBD keeps a tangle for ever, against any force: it lets no vertex move through an
+element that it has found near.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ def _strike_vertex_triangle(
         place = 2 * (offsets[vertex] + k) + 1
         face = pairs[place]
         if face >= 0:
-            if masked[vertex] + masked[triangles[face, 0]] + masked[triangles[face, 1]] + masked[triangles[face, 2]] > 0:
+            corners = masked[triangles[face, 0]] + masked[triangles[face, 1]] + masked[triangles[face, 2]]
+            if masked[vertex] + corners > 0:
                 pairs[place] = -1
 
 
@@ -99,7 +101,9 @@ class Untangler:
         use_mask: bool = True,
     ) -> None:
         if not getattr(solver, "particle_enable_self_contact", False) or not hasattr(solver, _HOOK):
-            raise TypeError("a SolverVBD with particle_enable_self_contact=True is needed: only its contacts can be masked")
+            raise TypeError(
+                "a SolverVBD with particle_enable_self_contact=True is needed: only its contacts can be masked"
+            )
         self.model, self.solver, self.dt, self.deadline = model, solver, dt, deadline
         self.use_force, self.use_mask = use_force, use_mask
         masses = model.particle_mass.numpy().astype(np.float64)
@@ -123,8 +127,10 @@ class Untangler:
         setattr(solver, _HOOK, self._detect_and_strike)
 
     def before_step(self, state: Any) -> Optional[Correction]:
-        """Sends the positions of `state`, adds the forces to `state.particle_f`, and sets the mask of the next step. Without a correction
-        (it came too late, or the daemon is gone) the step goes on without help, and this returns None.
+        """Sends the positions of `state`, adds the forces to `state.particle_f`, and sets the mask of the next step.
+
+        Without a correction (it came too late, or the daemon is gone) the step goes on without help, and this returns
+        None.
         """
         try:
             correction = self.session.exchange(state.particle_q.numpy(), self.dt, deadline=self.deadline)

@@ -1,8 +1,16 @@
-//! From an outcome to the sample that a host reads.
+//! Publishing: from the outcome of a frame to the header and the values of the sample that a host reads.
 
-use untangled_proto::{CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection, correction::{NO_FAULT, TRUNCATED, flags, pair_type}};
+use untangled_proto::{
+    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    correction::{NO_FAULT, TRUNCATED, flags, pair_type},
+};
 
-use untangle::{mesh::Mesh, paths::PairType, respond::{Corrections, VertexFlags}, untangler::Outcome};
+use untangle::{
+    mesh::Mesh,
+    paths::PairType,
+    respond::{Corrections, VertexFlags},
+    untangler::Outcome,
+};
 
 use super::ingest::StateFault;
 
@@ -15,7 +23,7 @@ const _: () = assert!(
 );
 
 /// The header for a frame that can't be used.
-pub(super) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFault) -> CorrectionHeader {
+pub(crate) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFault) -> CorrectionHeader {
     CorrectionHeader {
         frame: state.frame,
         simulated_s: state.simulated_s,
@@ -29,7 +37,7 @@ pub(super) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFau
 }
 
 /// The header for a frame that was worked on; times are filled in last.
-pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcome<'_>) -> CorrectionHeader {
+pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcome<'_>) -> CorrectionHeader {
     let Outcome { analysis, corrections, .. } = outcome;
     let mut num_pairs = [0; 16];
     for pair in &analysis.paths.pairs {
@@ -60,8 +68,11 @@ pub(super) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
     }
 }
 
-/// The value and flags of one vertex, in the unit asked for.
-pub(super) fn vertex(
+/// The value and flags of one vertex, in the unit that the host asked for, for a frame whose step is `dt_s` seconds.
+///
+/// A value that single precision can't hold is sent as zero with the flag "clamped".
+#[must_use]
+pub fn vertex(
     mesh: &Mesh,
     corrections: &Corrections,
     kind: CorrectionKind,
@@ -71,7 +82,7 @@ pub(super) fn vertex(
     let mass_kg = mesh.masses_kg().map_or(1.0, |masses| masses[index]);
     let per_force = match kind {
         CorrectionKind::Force => 1.0 / (dt_s * dt_s),
-        // Nothing moves what has no mass by a force; the host does not integrate such a vertex either.
+        // A force does not move a vertex without mass, and the host does not integrate such a vertex.
         _ if mass_kg <= 0.0 => 0.0,
         CorrectionKind::Acceleration => 1.0 / (mass_kg * dt_s * dt_s),
         CorrectionKind::VelocityChange => 1.0 / (mass_kg * dt_s),
@@ -83,13 +94,13 @@ pub(super) fn vertex(
     if value.iter().all(|value| value.is_finite()) {
         VertexCorrection { value, flags }
     } else {
-        // Too large for the wire: a host can do nothing with infinity.
+        // Too large for single precision; a host has no use for infinity.
         VertexCorrection { value: [0.0; 3], flags: flags | flags::CLAMPED }
     }
 }
 
 /// The index of a type of pairs on the wire.
-pub(super) fn pair_index(pair_type: PairType) -> usize {
+pub(crate) fn pair_index(pair_type: PairType) -> usize {
     match pair_type {
         PairType::Closed => pair_type::CLOSED,
         PairType::Eight => pair_type::EIGHT,
@@ -114,7 +125,7 @@ mod tests {
 
     #[test]
     #[expect(clippy::float_cmp, reason = "all values are powers of two")]
-    fn units() {
+    fn vertex_converts_units_and_clamps_overflow() {
         let mesh = |masses_kg| {
             let description =
                 MeshDescription { num_vertices: 3, faces: vec![[0, 1, 2]], masses_kg, ..Default::default() };

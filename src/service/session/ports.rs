@@ -5,34 +5,42 @@ use iceoryx2::{
     prelude::{EventId, Node, PortFactory, ZeroCopySend},
     sample::Sample,
 };
-use untangled_proto::{CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection, names::{self, SessionService}};
-use untangled_transport::{Domain, memory, services::{self, CorrectionService, Event, Ipc, States}};
+use untangled_proto::{
+    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection,
+    names::{self, SessionService},
+};
+use untangled_transport::{
+    Domain, memory,
+    services::{self, CorrectionService, Event, Ipc, States},
+};
 
 use untangle::{frame::Frame, mesh::Mesh};
 
 use super::{
     clock::StageClock,
-    error::{Refusal, ServeError},
     ingest::{self, StateFault},
+};
+use crate::service::{
+    error::{Refusal, ServeError},
     throttle::Throttle,
 };
 
-/// Where positions come from, in the precision that the host chose.
+/// Receives states, in the precision that the host chose.
 #[derive(Debug)]
-pub(super) enum StatePort {
+pub(crate) enum StatePort {
     F32(Subscription<PositionF32>),
     F64(Subscription<PositionF64>),
 }
 
-/// A subscriber, dropped before its service, which knows whether somebody is there to send.
+/// A subscriber, dropped before its service. The service knows whether there is a publisher.
 #[derive(Debug)]
-pub(super) struct Subscription<P: std::fmt::Debug + ZeroCopySend + 'static> {
+pub(crate) struct Subscription<P: std::fmt::Debug + ZeroCopySend + 'static> {
     subscriber: Subscriber<Ipc, [P], StateHeader>,
     service: States<P>,
 }
 
 impl StatePort {
-    pub(super) fn create(
+    pub(crate) fn create(
         node: &Node<Ipc>,
         instance: u64,
         session: u64,
@@ -46,7 +54,7 @@ impl StatePort {
     }
 
     /// Whether a host is there to send states.
-    pub(super) fn has_publisher(&self) -> bool {
+    pub(crate) fn has_publisher(&self) -> bool {
         0 != match self {
             Self::F32(states) => states.service.dynamic_config().number_of_publishers(),
             Self::F64(states) => states.service.dynamic_config().number_of_publishers(),
@@ -54,7 +62,7 @@ impl StatePort {
     }
 
     /// Whether a state has come.
-    pub(super) fn has_state(&self) -> bool {
+    pub(crate) fn has_state(&self) -> bool {
         match self {
             Self::F32(states) => states.has_state(),
             Self::F64(states) => states.has_state(),
@@ -62,7 +70,7 @@ impl StatePort {
     }
 
     /// The newest state that has come, copied and checked into `frame`.
-    pub(super) fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
+    pub(crate) fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
         match self {
             Self::F32(states) => {
                 let sample = states.newest()?;
@@ -87,7 +95,7 @@ impl<P: std::fmt::Debug + ZeroCopySend + 'static> Subscription<P> {
         Ok(Self { subscriber, service })
     }
 
-    /// The buffer has room for one state, the newest: what it overtook is gone.
+    /// The newest state: the buffer has room for one, and an older state is overwritten.
     fn newest(&self) -> Option<Sample<Ipc, [P], StateHeader>> {
         self.subscriber.receive().unwrap_or_else(|error| {
             warn(&error);
@@ -110,9 +118,9 @@ fn warn(error: &dyn std::fmt::Debug) {
     }
 }
 
-/// Where corrections go. Fields are dropped in order: ports before services.
+/// Sends corrections and wakes the host. Fields are dropped in order: ports before services.
 #[derive(Debug)]
-pub(super) struct CorrectionPort {
+pub(crate) struct CorrectionPort {
     publisher: Publisher<Ipc, [VertexCorrection], CorrectionHeader>,
     notifier: Notifier<Ipc>,
     _service: CorrectionService,
@@ -120,7 +128,7 @@ pub(super) struct CorrectionPort {
 }
 
 impl CorrectionPort {
-    pub(super) fn create(
+    pub(crate) fn create(
         node: &Node<Ipc>,
         domain: &Domain,
         instance: u64,
@@ -151,8 +159,9 @@ impl CorrectionPort {
         Ok(Self { publisher, notifier, _service: service, _event: event })
     }
 
-    /// Writes a correction in place, its header last with the times up to there, notes it, sends it, and wakes the host.
-    pub(super) fn send(
+    /// Writes a correction in place and its header, with the times so far, last; passes the header to `record`; sends
+    /// the sample and wakes the host.
+    pub(crate) fn send(
         &self,
         header: &mut CorrectionHeader,
         clock: &mut StageClock,
@@ -166,10 +175,10 @@ impl CorrectionPort {
         let mut sample = sample.write_from_fn(vertex);
         header.stage_ns = clock.finish();
         *sample.user_header_mut() = *header;
-        // Before it is sent: whoever has the correction finds it counted.
+        // Before it is sent, so that a host that has the correction finds it counted.
         record(header);
         sample.send().map_err(|error| ServeError::transport("sending a correction", &error))?;
-        // A listener that can't be reached is a host that is gone.
+        // An error means that the host is gone; the next check for hosts ends the session.
         let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_CORRECTION));
         Ok(())
     }

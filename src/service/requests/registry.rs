@@ -1,4 +1,4 @@
-//! The sessions of a daemon, and how one is opened.
+//! The open sessions of a daemon: opens, finds and closes them.
 
 use std::{
     collections::hash_map::RandomState,
@@ -14,11 +14,12 @@ use iceoryx2::prelude::Node;
 use untangled_proto::{Status, sections::Sections};
 use untangled_transport::services::Ipc;
 
-use super::{ServeOptions, error::Refusal, register, session::Session, throttle::Throttle};
+use super::registration;
+use crate::service::{error::Refusal, options::ServeOptions, session::Session, throttle::Throttle};
 
-/// What all threads of a daemon share. Fields are dropped in order: sessions before the node.
+/// State that all threads of a daemon share. Fields are dropped in order: sessions before the node.
 #[derive(Debug)]
-pub(super) struct Registry {
+pub(crate) struct Registry {
     sessions: Mutex<Vec<Arc<Session>>>,
     node: Arc<Node<Ipc>>,
     options: ServeOptions,
@@ -31,7 +32,7 @@ pub(super) struct Registry {
 }
 
 impl Registry {
-    pub(super) fn new(node: Arc<Node<Ipc>>, options: ServeOptions) -> Self {
+    pub(crate) fn new(node: Arc<Node<Ipc>>, options: ServeOptions) -> Self {
         Self {
             sessions: Mutex::default(),
             node,
@@ -44,43 +45,43 @@ impl Registry {
         }
     }
 
-    pub(super) fn options(&self) -> &ServeOptions {
+    pub(crate) fn options(&self) -> &ServeOptions {
         &self.options
     }
 
-    pub(super) fn instance(&self) -> u64 {
+    pub(crate) fn instance(&self) -> u64 {
         self.instance
     }
 
-    pub(super) fn uptime(&self) -> Duration {
+    pub(crate) fn uptime(&self) -> Duration {
         self.started.elapsed()
     }
 
-    pub(super) fn num_registered(&self) -> u64 {
+    pub(crate) fn num_registered(&self) -> u64 {
         self.num_registered.load(Ordering::Relaxed)
     }
 
-    pub(super) fn num_refused_requests(&self) -> u64 {
+    pub(crate) fn num_refused_requests(&self) -> u64 {
         self.num_refused_requests.load(Ordering::Relaxed)
     }
 
-    pub(super) fn count_refused_request(&self) {
+    pub(crate) fn count_refused_request(&self) {
         self.num_refused_requests.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The sessions that are open. Whoever holds this holds up everybody: not for long.
-    pub(super) fn sessions(&self) -> MutexGuard<'_, Vec<Arc<Session>>> {
+    /// The open sessions, locked. All threads wait for this lock: hold it for a short time only.
+    pub(crate) fn sessions(&self) -> MutexGuard<'_, Vec<Arc<Session>>> {
         self.sessions.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn find(&self, id: u64) -> Result<Arc<Session>, Refusal> {
+    pub(crate) fn find(&self, id: u64) -> Result<Arc<Session>, Refusal> {
         let sessions = self.sessions();
         let found = sessions.iter().find(|session| session.id() == id).map(Arc::clone);
         found.ok_or_else(|| Refusal::new(Status::UnknownSession, format_args!("there is no session {id}")))
     }
 
     /// Ends a session; a frame in work is still answered.
-    pub(super) fn close(&self, id: u64) -> Result<(), Refusal> {
+    pub(crate) fn close(&self, id: u64) -> Result<(), Refusal> {
         static CLOSED: Throttle = Throttle::new();
         let session = self.find(id)?;
         self.sessions().retain(|other| !Arc::ptr_eq(other, &session));
@@ -91,11 +92,11 @@ impl Registry {
     }
 
     /// Opens a session.
-    pub(super) fn register(&self, sections: &Sections<'_>) -> Result<u64, Refusal> {
+    pub(crate) fn register(&self, sections: &Sections<'_>) -> Result<u64, Refusal> {
         static REGISTERED: Throttle = Throttle::new();
         let _place = self.take_place()?;
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
-        let registered = register::read(sections, &self.options, promised)?;
+        let registered = registration::read(sections, &self.options, promised)?;
         let id = self.num_registered.fetch_add(1, Ordering::Relaxed) + 1;
         let session = Session::create(&self.node, &self.options.domain, self.instance, id, registered)?;
         if let Some(num_suppressed) = REGISTERED.admit() {
@@ -123,6 +124,7 @@ impl Registry {
     }
 }
 
+/// Counts a session that is being registered for as long as it lives.
 struct Place<'a>(&'a AtomicUsize);
 
 impl<'a> Place<'a> {

@@ -1,30 +1,26 @@
-//! From the bytes of a registration to a mesh and what is asked for.
+//! From the bytes of a registration to a validated mesh, settings and options.
 
 use std::sync::Arc;
 
 use figment::{Figment, providers::Serialized};
-use untangled_proto::{CorrectionKind, Precision, RegisterParams, Status, limits, sections::{SectionError, Sections, id}};
+use untangled_proto::{
+    CorrectionKind, Precision, RegisterParams, Status, limits,
+    sections::{SectionError, Sections, id},
+};
 use untangled_transport::memory;
 
-use untangle::{mesh::{Mesh, MeshDescription, Uvs}, settings::{Quality, Settings}};
+use untangle::{
+    mesh::{Mesh, MeshDescription, Uvs},
+    settings::{Quality, Settings},
+};
 
-use super::{ServeOptions, error::Refusal};
+use crate::service::{error::Refusal, options::ServeOptions, session::Registered};
 
-/// A registration that was checked from end to end.
-#[derive(Debug)]
-pub(super) struct Registered {
-    pub(super) mesh: Arc<Mesh>,
-    pub(super) settings: Settings,
-    pub(super) precision: Precision,
-    pub(super) correction: CorrectionKind,
-}
-
-/// Reads a registration. `reserved_bytes` of shared memory are promised to others already.
-pub(super) fn read(
-    sections: &Sections<'_>,
-    options: &ServeOptions,
-    reserved_bytes: u64,
-) -> Result<Registered, Refusal> {
+/// Reads and validates a registration. `reserved_bytes` of shared memory are promised to other sessions already.
+///
+/// # Errors
+/// [`Refusal`] with the element and the value at fault.
+pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64) -> Result<Registered, Refusal> {
     let params = sections
         .bytes(id::PARAMS)
         .and_then(RegisterParams::from_bytes)
@@ -57,8 +53,11 @@ pub(super) fn read(
     Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction })
 }
 
-/// The settings of a request, laid over the daemon's own.
-pub(super) fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Result<Settings, Refusal> {
+/// The settings of a request, merged over the daemon's own.
+///
+/// # Errors
+/// [`Refusal`] with [`Status::BadSettings`] for a document that is too long or not JSON, or a bad name or value.
+pub fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Result<Settings, Refusal> {
     let Some(bytes) = sections.bytes(id::SETTINGS) else { return Ok(options.settings.clone()) };
     let refused = |error: &dyn std::fmt::Display| Refusal::new(Status::BadSettings, format_args!("settings: {error}"));
     if bytes.len() > limits::MAX_SETTINGS_BYTES {
@@ -68,11 +67,11 @@ pub(super) fn settings(sections: &Sections<'_>, options: &ServeOptions) -> Resul
             limits::MAX_SETTINGS_BYTES
         )));
     }
-    // The parser may look at a byte more than once, and the peer may write on.
+    // Copied first: the parser may read a byte more than once, and the peer may go on writing.
     let copy = bytes.to_vec();
     let chosen: serde_json::Map<String, serde_json::Value> =
         serde_json::from_slice(&copy).map_err(|error| refused(&error))?;
-    overlay(&options.settings, chosen).map_err(|words| refused(&words))
+    merge(&options.settings, chosen).map_err(|words| refused(&words))
 }
 
 fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescription, Refusal> {
@@ -105,7 +104,8 @@ fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) 
         Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
             Status::NotEnoughMemory,
             format_args!(
-                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, of which {reserved_bytes} are promised"
+                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, \
+                 of which {reserved_bytes} are promised"
             ),
         )),
         Ok(_) => Ok(()),
@@ -113,8 +113,9 @@ fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) 
     }
 }
 
-/// Settings by name, laid over others; the name `quality` stands for its knobs, over which the others lie. Refused in words.
-fn overlay(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::Value>) -> Result<Settings, String> {
+/// Merges `chosen`, settings by name, over `settings`. The name `quality` sets several settings first; the others
+/// override it. The error says in words what is wrong.
+fn merge(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::Value>) -> Result<Settings, String> {
     let mut base = settings.clone();
     if let Some(quality) = chosen.remove("quality") {
         let quality = Figment::from(Serialized::default("quality", quality)).extract_inner::<Quality>("quality");
@@ -132,8 +133,8 @@ mod tests {
     use untangle::settings::Response;
 
     #[test]
-    fn single_knobs_lie_over_a_quality_and_that_over_the_defaults() {
-        let chosen = |text: &str| overlay(&Settings::default(), serde_json::from_str(text).unwrap());
+    fn merge_overrides_defaults_by_quality_and_quality_by_single_settings() {
+        let chosen = |text: &str| merge(&Settings::default(), serde_json::from_str(text).unwrap());
         let mut fast = Settings::default();
         Quality::Fast.apply(&mut fast);
         assert_eq!(chosen(r#"{"quality": "fast"}"#).unwrap(), fast);

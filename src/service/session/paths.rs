@@ -1,37 +1,45 @@
-//! Intersection paths for whoever listens.
+//! Intersection paths for subscribers of a session.
 
 use iceoryx2::{
     port::publisher::Publisher,
     prelude::{AllocationStrategy, Node, PortFactory},
 };
-use untangled_proto::{limits, names::{self, SessionService}, paths::{PathPoint, PathRecord, PathsHeader, path_type}};
-use untangled_transport::{memory, services::{self, Ipc, PathsService}};
+use untangled_proto::{
+    limits,
+    names::{self, SessionService},
+    paths::{PathPoint, PathRecord, PathsHeader, path_type},
+};
+use untangled_transport::{
+    memory,
+    services::{self, Ipc, PathsService},
+};
 
 use untangle::paths::{IntersectionPaths, PathCopy, PathType};
 
-use super::{error::ServeError, publish::pair_index, throttle::Throttle};
+use super::publish::pair_index;
+use crate::service::{error::ServeError, throttle::Throttle};
 
-/// Samples that there may be at a time: buffered or borrowed by each listener, and the one being written.
+/// Samples that there may be at a time: buffered or borrowed by each subscriber, and the one being written.
 const NUM_CHUNKS: u64 = ((1 + limits::PATHS_BORROWED) * limits::PATHS_SUBSCRIBERS + 1) as u64;
 
-/// A session's paths service. It has no port, and costs nothing per frame, until somebody listens.
+/// A session's paths service. It has no publisher, and costs nothing per frame, until there is a subscriber.
 #[derive(Debug)]
-pub(super) struct PathsPort {
+pub(crate) struct PathsPort {
     publisher: Option<Publisher<Ipc, [u8], PathsHeader>>,
     bytes: Vec<u8>,
     service: PathsService,
 }
 
 impl PathsPort {
-    pub(super) fn create(node: &Node<Ipc>, instance: u64, session: u64) -> Result<Self, ServeError> {
+    pub(crate) fn create(node: &Node<Ipc>, instance: u64, session: u64) -> Result<Self, ServeError> {
         let name = names::session(instance, session, SessionService::Paths);
         let service = services::create_paths(node, &name)
             .map_err(|error| ServeError::transport("creating the paths service", &error))?;
         Ok(Self { publisher: None, bytes: Vec::new(), service })
     }
 
-    /// Publishes the paths of a frame, if somebody listens.
-    pub(super) fn publish(&mut self, frame: u64, paths: &IntersectionPaths) {
+    /// Publishes the paths of a frame, if there is a subscriber.
+    pub(crate) fn publish(&mut self, frame: u64, paths: &IntersectionPaths) {
         if self.service.dynamic_config().number_of_subscribers() == 0 {
             self.publisher = None;
             return;

@@ -6,9 +6,10 @@ use untangled_proto::correction::stage;
 
 use untangle::stage::{Stage, StageObserver};
 
-/// Measures stages; the only clock that the pipeline meets, and from outside.
+/// Measures stages and the time budget of a frame. The library itself has no clock; it reports its stages to this
+/// observer.
 #[derive(Debug)]
-pub(super) struct StageClock {
+pub(crate) struct StageClock {
     begin: Instant,
     running: Option<(usize, Instant)>,
     ns: [u64; 8],
@@ -16,21 +17,21 @@ pub(super) struct StageClock {
 }
 
 impl StageClock {
-    /// Starts with [`stage::INGEST`]; the time for the frame is up after `limit`.
-    pub(super) fn start(limit: Option<Duration>) -> Self {
+    /// Starts with [`stage::INGEST`]; the time budget of the frame ends after `limit`.
+    pub(crate) fn start(limit: Option<Duration>) -> Self {
         let now = Instant::now();
         Self { begin: now, running: Some((stage::INGEST, now)), ns: [0; 8], limit }
     }
 
     /// The stage at this index begins, and the one before it has ended.
-    pub(super) fn begin_index(&mut self, index: usize) {
+    pub(crate) fn begin_index(&mut self, index: usize) {
         let now = Instant::now();
         self.stop(now);
         self.running = Some((index, now));
     }
 
     /// Ends the last stage and returns the time of each, in nanoseconds.
-    pub(super) fn finish(&mut self) -> [u64; 8] {
+    pub(crate) fn finish(&mut self) -> [u64; 8] {
         let now = Instant::now();
         self.stop(now);
         self.ns[stage::TOTAL] = nanoseconds(self.begin, now);

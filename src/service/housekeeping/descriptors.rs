@@ -1,16 +1,16 @@
-//! Room for the file descriptors of all sessions: the usual limit of 1,024 is less than 64 sessions take, and whoever runs out of them
-//! in the middle of cleaning up behind the dead leaves files in shared memory for good.
+//! The limit of open files. The usual soft limit of 1,024 is less than 64 sessions take, and a daemon that runs out of
+//! descriptors while it cleans up a dead node leaves files in shared memory that nothing removes.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// Descriptors that a session takes: 17 were counted.
+/// Descriptors that a session takes: 17 by count, rounded up.
 const PER_SESSION: u64 = 20;
 /// Descriptors that the daemon takes itself, for its services and for requests on their way.
 const OWN: u64 = 128;
 
-/// Raises this process's limit of open files as far as so many sessions need it and the system lets it. Returns how many sessions there
-/// is room for: no more than asked for, and at least one.
-pub(super) fn make_room(max_sessions: usize) -> usize {
+/// Raises this process's limit of open files to what `max_sessions` need, as far as the system allows. Returns the
+/// number of sessions that the limit allows: at most `max_sessions`, at least 1.
+pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> usize {
     let limit = getrlimit(Resource::Nofile);
     let needed = needed(max_sessions);
     if limit.current.is_some_and(|current| current < needed) {
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn room_is_what_is_needed_turned_round() {
+    fn sessions_within_inverts_needed() {
         for num_sessions in [1, 2, 32, 64] {
             assert_eq!(sessions_within(needed(num_sessions)), num_sessions);
             assert_eq!(sessions_within(needed(num_sessions) - 1), (num_sessions - 1).max(1));

@@ -1,6 +1,7 @@
-//! Removes what peers left in shared memory that were killed while they made it.
+//! The cleanup thread: removes resources of crashed peers that iceoryx2 does not remove.
 //!
-//! On a thread of its own: iceoryx2 waits without end for a segment that has no length yet, and only its removal ends that.
+//! It is a thread of its own because iceoryx2 waits without end for a segment that has no length yet; only the removal
+//! of that segment ends the wait.
 
 use std::{
     sync::mpsc::{RecvTimeoutError, Sender, channel},
@@ -10,32 +11,33 @@ use std::{
 
 use untangled_transport::{Domain, memory};
 
-use super::{error::ServeError, leftovers::Leftovers, quiet::Quiet};
+use super::{changes::ChangeDetector, stale::StaleResources};
+use crate::service::error::ServeError;
 
-/// How often it looks.
+/// Time between two runs.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// The thread; it ends with this.
+/// The thread; it ends when this is dropped.
 #[derive(Debug)]
-pub(super) struct Janitor {
+pub(crate) struct Cleanup {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Janitor {
-    /// Looks once, then starts the thread.
-    pub(super) fn start(domain: Domain) -> Result<Self, ServeError> {
+impl Cleanup {
+    /// Removes unfinished segments once, then starts the thread.
+    pub(crate) fn start(domain: Domain) -> Result<Self, ServeError> {
         let config = domain.config()?;
         remove_unfinished(&domain);
         let (stop, stopped) = channel();
-        let thread = std::thread::Builder::new().name("janitor".into()).spawn(move || {
-            let (mut leftovers, mut quiet) = (Leftovers::default(), Quiet::new(&domain));
+        let thread = std::thread::Builder::new().name("cleanup".into()).spawn(move || {
+            let (mut stale, mut changes) = (StaleResources::default(), ChangeDetector::new(&domain));
             while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if quiet.is_quiet() && leftovers.is_empty() {
+                if changes.is_unchanged() && stale.is_empty() {
                     continue;
                 }
                 remove_unfinished(&domain);
-                match leftovers.sweep(&domain, &config) {
+                match stale.sweep(&domain, &config) {
                     Ok(0) => {}
                     Ok(removed) => tracing::info!(removed, "files that killed peers left"),
                     Err(error) => tracing::warn!(%error, "looking for what killed peers left"),
@@ -47,11 +49,11 @@ impl Janitor {
     }
 }
 
-impl Drop for Janitor {
+impl Drop for Cleanup {
     fn drop(&mut self) {
         self.stop.take();
         if let Some(thread) = self.thread.take() {
-            // A thread that panicked has said so already.
+            // The panic hook has reported a thread that panicked.
             let _ = thread.join();
         }
     }

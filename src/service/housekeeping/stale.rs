@@ -1,8 +1,8 @@
-//! What iceoryx2 0.10 leaves behind the dead for good.
+//! Stale resources: files of crashed peers that iceoryx2 0.10 never removes.
 //!
-//! Its cleaning of a dead node goes by the node's tags. A process that was killed between making a file and noting it, or in the middle of
-//! making a tag, leaves what no tag names, or a tag that can't be read and keeps its node from going. Each is small, but nobody else
-//! would ever remove it while this daemon runs.
+//! iceoryx2 cleans up a dead node by the node's tags. A process that was killed between creating a file and noting it
+//! in a tag leaves a file that no tag names; one that was killed while it wrote a tag leaves a tag that can't be read,
+//! and the node stays. Each such file is small, but nothing else would remove it while this daemon runs.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -11,32 +11,36 @@ use std::{
 };
 
 use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
-use untangled_transport::{Domain, memory::{self, ProcessId}, services::Ipc};
+use untangled_transport::{
+    Domain, memory,
+    process_id::{self, ProcessId},
+    services::Ipc,
+};
 
-/// Sweeps in which something must look left before it goes: by then the dead have been cleaned up behind several times.
+/// Sweeps in which a file must look stale before it is removed: by then dead nodes have been cleaned up several times.
 const SWEEPS: u32 = 5;
 
-/// What looked left in the last sweeps, and in how many of them.
+/// Files and folders that looked stale in the last sweeps, and in how many sweeps in a row.
 #[derive(Debug, Default)]
-pub(super) struct Leftovers(HashMap<PathBuf, u32>);
+pub(crate) struct StaleResources(HashMap<PathBuf, u32>);
 
-impl Leftovers {
-    /// Whether nothing looked left in the last sweep.
-    pub(super) fn is_empty(&self) -> bool {
+impl StaleResources {
+    /// Whether nothing looked stale in the last sweep.
+    pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Removes what has looked left in [`SWEEPS`] sweeps; returns how many files and folders.
+    /// Removes files and folders that have looked stale in [`SWEEPS`] sweeps in a row; returns their number.
     ///
-    /// Something is left if its name carries the id of a process that is gone, and no living node has that id. The second protects
-    /// processes whose ids can't be seen from here.
-    pub(super) fn sweep(&mut self, domain: &Domain, config: &Config) -> Result<usize> {
-        // Files first: whoever makes one has made its node before.
+    /// A file looks stale if its name carries the id of a process that is gone, and no living node has that id. The
+    /// second condition protects processes of other namespaces, whose ids can't be seen from here.
+    pub(crate) fn sweep(&mut self, domain: &Domain, config: &Config) -> Result<usize> {
+        // Files are listed before nodes: a process creates its node before any of its files.
         let orphans = orphans(domain)?;
         let living = if orphans.is_empty() { HashSet::new() } else { living_processes(config)? };
-        let is_left = |processes: &[ProcessId]| processes.iter().any(|process| !living.contains(process));
-        let left = orphans.into_iter().filter(|(_, gone)| is_left(gone)).map(|(path, _)| path);
-        self.0 = left.map(|path| (path.clone(), self.0.get(&path).map_or(1, |num_sweeps| num_sweeps + 1))).collect();
+        let is_stale = |processes: &[ProcessId]| processes.iter().any(|process| !living.contains(process));
+        let stale = orphans.into_iter().filter(|(_, gone)| is_stale(gone)).map(|(path, _)| path);
+        self.0 = stale.map(|path| (path.clone(), self.0.get(&path).map_or(1, |num_sweeps| num_sweeps + 1))).collect();
         let mut removed = 0;
         for path in self.0.iter().filter(|&(_, &num_sweeps)| num_sweeps >= SWEEPS).map(|(path, _)| path) {
             let result = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
@@ -57,13 +61,13 @@ fn orphans(domain: &Domain) -> Result<Vec<(PathBuf, Vec<ProcessId>)>> {
         for entry in std::fs::read_dir(folder)?.flatten() {
             let name = entry.file_name();
             let Some(name) = name.to_str() else { continue };
-            // The folder of a node has its id alone for a name.
+            // The folder of a node has the node's id for a name, without the prefix.
             let Some(name) = name.strip_prefix(domain.prefix()).or(is_ours.then_some(name)) else { continue };
-            // A service outlives whoever made it while others use it.
+            // A service outlives the process that created it while others use it.
             if name.ends_with(".dynamic") {
                 continue;
             }
-            let gone: Vec<ProcessId> = memory::processes(name).filter(|process| process.is_gone()).collect();
+            let gone: Vec<ProcessId> = process_id::in_name(name).filter(|process| process.is_gone()).collect();
             if !gone.is_empty() {
                 orphans.push((entry.path(), gone));
             }
@@ -95,9 +99,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_dead_left_goes_and_what_the_living_have_stays() {
-        let base = std::env::temp_dir().join(format!("left-{}", std::process::id()));
-        let domain = Domain::new("left", Some(&base), rustix::process::getuid().as_raw()).unwrap();
+    fn sweep_removes_files_of_dead_processes_and_keeps_those_of_living_ones() {
+        let base = std::env::temp_dir().join(format!("stale-{}", std::process::id()));
+        let domain = Domain::new("stale", Some(&base), rustix::process::getuid().as_raw()).unwrap();
         domain.create_folders().unwrap();
         let config = domain.config().unwrap();
         let node =
@@ -109,7 +113,7 @@ mod tests {
         let living = node.id().value();
         let segment = |name: &str| Path::new(memory::FOLDER).join(format!("{}{name}", domain.prefix()));
         let nodes = domain.root().join("nodes");
-        let (left, kept) = (
+        let (dead_files, living_files) = (
             [
                 segment(&format!("ab_{dead}.event_mgmt")),
                 segment(&format!("ab_{dead}_{living}.connection")),
@@ -118,20 +122,20 @@ mod tests {
             ],
             [segment(&format!("ab_{living}.event_mgmt")), segment(&format!("ab_{dead}.dynamic"))],
         );
-        left.iter().chain(&kept).for_each(|path| fs::write(path, "").unwrap());
+        dead_files.iter().chain(&living_files).for_each(|path| fs::write(path, "").unwrap());
         let folder = nodes.join(dead.to_string());
         fs::create_dir(&folder).unwrap();
         fs::write(folder.join("some.port_tag"), "").unwrap();
-        let mut leftovers = Leftovers::default();
-        let removed: Vec<usize> = (0..=SWEEPS).map(|_| leftovers.sweep(&domain, &config).unwrap()).collect();
+        let mut stale = StaleResources::default();
+        let removed: Vec<usize> = (0..=SWEEPS).map(|_| stale.sweep(&domain, &config).unwrap()).collect();
         let exist = |paths: &[PathBuf]| paths.iter().filter(|path| path.exists()).count();
-        let counts = (exist(&left), folder.exists(), exist(&kept));
+        let counts = (exist(&dead_files), folder.exists(), exist(&living_files));
         drop(node);
-        // The shared memory of the node too, and what was kept.
+        // Removes the shared memory of the node, and the files that the sweeps kept.
         drop(WipeOnLeave(domain.clone()));
         let _ = fs::remove_dir_all(&base);
         assert_eq!(removed, [0, 0, 0, 0, 5, 0]);
         assert_eq!(counts, (0, false, 2));
-        assert!(leftovers.0.is_empty(), "what is gone is forgotten");
+        assert!(stale.0.is_empty(), "removed files are no longer listed");
     }
 }

@@ -2,18 +2,27 @@
 
 use untangled_proto::{PositionF32, PositionF64, StateHeader, Status, correction::NO_FAULT, limits};
 
-use untangle::{frame::{Frame, FrameError}, mesh::Mesh};
+use untangle::{
+    frame::{Frame, FrameError},
+    mesh::Mesh,
+};
 
 /// Why a state can't be used: the status and the fault of its correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StateFault {
-    pub(super) status: Status,
-    pub(super) index: u64,
-    pub(super) value: f64,
+pub struct StateFault {
+    /// Status of the correction.
+    pub status: Status,
+    /// The vertex at fault, or [`NO_FAULT`].
+    pub index: u64,
+    /// The value at fault.
+    pub value: f64,
 }
 
 /// Checks a header, which must be a copy, against the session.
-pub(super) fn check_header(header: &StateHeader, num_vertices: usize) -> Result<(), StateFault> {
+///
+/// # Errors
+/// [`Status::BadHeader`] for a step or a time that is out of range, or for another number of vertices than registered.
+pub fn check_header(header: &StateHeader, num_vertices: usize) -> Result<(), StateFault> {
     let bad = |value| Err(StateFault { status: Status::BadHeader, index: NO_FAULT, value });
     // Written so that NaN fails.
     if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&header.dt_s) {
@@ -28,19 +37,27 @@ pub(super) fn check_header(header: &StateHeader, num_vertices: usize) -> Result<
     Ok(())
 }
 
-/// Copies single-precision positions into `frame`, each read once and checked after it was read.
-pub(super) fn read_f32(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF32]) -> Result<(), StateFault> {
+/// Copies single-precision positions, `num_vertices x 3` in metres, into `frame`. Each is read once and the copy is
+/// checked.
+///
+/// # Errors
+/// [`Status::BadHeader`] for a wrong number, [`Status::BadPosition`] for one that is too large or not finite.
+pub fn read_f32(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF32]) -> Result<(), StateFault> {
     frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
 }
 
-/// Copies double-precision positions into `frame`, each read once and checked after it was read.
-pub(super) fn read_f64(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF64]) -> Result<(), StateFault> {
+/// Copies double-precision positions into `frame`, as [`read_f32`] does.
+///
+/// # Errors
+/// As [`read_f32`].
+pub fn read_f64(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF64]) -> Result<(), StateFault> {
     frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
 }
 
-/// Reads what a peer may be writing to.
+/// Reads memory that a peer may be writing to.
 fn read_once<P: Copy>(position: &P) -> P {
-    // SAFETY: a reference can be read from. Volatile, so that the value that is checked is the one that is kept: nothing may read it again.
+    // SAFETY: a reference can be read from. The read is volatile, so that the compiler does not read the memory a
+    // second time and the value that is checked is the value that is kept.
     unsafe { std::ptr::read_volatile(position) }
 }
 
@@ -64,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headers_that_lie_are_refused() {
+    fn check_header_rejects_bad_step_time_and_vertex_count() {
         let good = StateHeader { frame: 1, dt_s: 0.01, num_vertices: 3, ..StateHeader::default() };
         assert_eq!(check_header(&good, 3), Ok(()));
         for dt_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {

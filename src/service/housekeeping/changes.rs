@@ -1,21 +1,27 @@
-//! Whether there is anything to clean up: an idle daemon only asks whether the processes it knows of are still there.
+//! Change detection: an idle daemon does not clean up; it only checks two folders' times and whether known processes
+//! live.
 
 use std::{
     path::{Path, PathBuf},
     time::{Duration, Instant, SystemTime},
 };
 
-use untangled_transport::{Domain, memory::{self, ProcessId}};
+use untangled_transport::{
+    Domain, memory,
+    process_id::{self, ProcessId},
+};
 
-/// How long ago a folder must have changed: what came right after a look has the same time as what came before it.
+/// How long ago a folder must have changed before its time is trusted: a file that is created right after the check can
+/// leave the folder with the same time.
 const SETTLED: Duration = Duration::from_secs(2);
 
-/// The longest quiet. Processes of another namespace may look alive by the id of somebody else here.
+/// Longest time without a cleanup. A process of another namespace may look alive because another process here has its
+/// id.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// What was seen when the domain's folders last changed.
+/// The state of the domain's folders when they last changed.
 #[derive(Debug)]
-pub(super) struct Quiet {
+pub(crate) struct ChangeDetector {
     nodes: PathBuf,
     prefix: String,
     memory: &'static Path,
@@ -24,8 +30,8 @@ pub(super) struct Quiet {
     since: Instant,
 }
 
-impl Quiet {
-    pub(super) fn new(domain: &Domain) -> Self {
+impl ChangeDetector {
+    pub(crate) fn new(domain: &Domain) -> Self {
         Self {
             nodes: domain.root().join("nodes"),
             prefix: domain.prefix().to_owned(),
@@ -36,19 +42,19 @@ impl Quiet {
         }
     }
 
-    /// Whether the folders have not changed for a while and all processes that have a node are there. What can't be told is not quiet, and
-    /// nothing is for longer than [`LONGEST`].
+    /// Whether the folders have not changed for a while and all processes that have a node are alive. The answer is no
+    /// where a folder can't be read, and at least once in [`LONGEST`].
     ///
-    /// Cost: two looks at folders, and one at each process.
-    pub(super) fn is_quiet(&mut self) -> bool {
-        let is_quiet = self.nothing_happened() && self.since.elapsed() < LONGEST;
-        if !is_quiet {
+    /// Cost: two system calls for the folders, and one for each process.
+    pub(crate) fn is_unchanged(&mut self) -> bool {
+        let is_unchanged = self.folders_and_processes_are_same() && self.since.elapsed() < LONGEST;
+        if !is_unchanged {
             self.since = Instant::now();
         }
-        is_quiet
+        is_unchanged
     }
 
-    fn nothing_happened(&mut self) -> bool {
+    fn folders_and_processes_are_same(&mut self) -> bool {
         let Some(changed) = changed(&self.nodes).zip(changed(self.memory)).map(<[SystemTime; 2]>::from) else {
             return false;
         };
@@ -74,7 +80,7 @@ fn processes(nodes: &Path, prefix: &str) -> Option<Vec<ProcessId>> {
     for entry in std::fs::read_dir(nodes).ok()?.flatten() {
         let name = entry.file_name();
         let Some(name) = name.to_str() else { continue };
-        for process in memory::processes(name.strip_prefix(prefix).unwrap_or(name)) {
+        for process in process_id::in_name(name.strip_prefix(prefix).unwrap_or(name)) {
             if !processes.contains(&process) {
                 processes.push(process);
             }
@@ -90,28 +96,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn deaths_and_changes_end_the_quiet() {
-        let base = std::env::temp_dir().join(format!("quiet-{}", std::process::id()));
-        let domain = Domain::new("quiet", Some(&base), rustix::process::getuid().as_raw()).unwrap();
+    fn detector_reports_changed_folders_and_dead_processes() {
+        let base = std::env::temp_dir().join(format!("changes-{}", std::process::id()));
+        let domain = Domain::new("changes", Some(&base), rustix::process::getuid().as_raw()).unwrap();
         let nodes = domain.root().join("nodes");
         fs::create_dir_all(&nodes).unwrap();
         let mut child = std::process::Command::new("sleep").arg("1000").spawn().unwrap();
         fs::create_dir(nodes.join(((u128::from(child.id()) << 64) | 7).to_string())).unwrap();
-        // Others use the folder of shared memory at any time: this one stands for it.
-        let mut quiet = Quiet { memory: Path::new("/usr"), ..Quiet::new(&domain) };
+        // Other processes change the folder of shared memory at any time: /usr stands for it.
+        let mut detector = ChangeDetector { memory: Path::new("/usr"), ..ChangeDetector::new(&domain) };
         let age = |by: u32| File::open(&nodes).unwrap().set_modified(SystemTime::now() - by * SETTLED).unwrap();
-        let at_once = [quiet.is_quiet(), quiet.is_quiet()];
+        let at_once = [detector.is_unchanged(), detector.is_unchanged()];
         age(2);
-        let settled = [quiet.is_quiet(), quiet.is_quiet()];
+        let settled = [detector.is_unchanged(), detector.is_unchanged()];
         age(3);
-        let changed = [quiet.is_quiet(), quiet.is_quiet()];
-        quiet.since -= LONGEST;
-        let too_long = [quiet.is_quiet(), quiet.is_quiet()];
+        let changed = [detector.is_unchanged(), detector.is_unchanged()];
+        detector.since -= LONGEST;
+        let too_long = [detector.is_unchanged(), detector.is_unchanged()];
         child.kill().unwrap();
         child.wait().unwrap();
-        let dead = quiet.is_quiet();
+        let dead = detector.is_unchanged();
         fs::remove_dir_all(&base).unwrap();
-        assert_eq!((at_once, dead, quiet.is_quiet()), ([false; 2], false, false));
+        assert_eq!((at_once, dead, detector.is_unchanged()), ([false; 2], false, false));
         assert_eq!([settled, changed, too_long], [[false, true]; 3]);
     }
 }

@@ -1,0 +1,214 @@
+//! The run loop of a daemon: starts everything, waits for events, hands out work, ends in order.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+use iceoryx2::{
+    node::NodeWaitFailure,
+    port::listener::{Listener, ListenerWaitError},
+    prelude::{LogLevel, Node, NodeBuilder, SignalHandlingMode, set_log_level_from_env_or},
+};
+use untangled_proto::names;
+use untangled_transport::{
+    Domain,
+    lock::{DomainLock, LockError},
+    memory,
+    services::{self, Event, Ipc},
+};
+
+use super::{
+    error::ServeError,
+    housekeeping::{Cleanup, DeadNodes, make_room_for_descriptors},
+    metrics::MetricsServer,
+    options::ServeOptions,
+    pool::{Job, Pool},
+    requests::{ControlServer, RegistrationJob, Registry},
+    session::Session,
+    throttle::Throttle,
+};
+
+/// Longest wait for an event.
+const LONGEST_WAIT: Duration = DeadNodes::INTERVAL;
+/// How soon after an event the daemon wakes without one, and by what factor each further wait is longer. A notifier of
+/// iceoryx2 0.10 that is interrupted while the daemon drains its events leaves the listener marked as notified with
+/// nothing to wake it; later notifications do not wake it either, until it is drained again.
+const FIRST_WAIT: Duration = Duration::from_millis(1);
+const WAIT_GROWTH: u32 = 4;
+
+/// Asks a running daemon to end, from any thread: it ends after the frame in work, within half a second when idle.
+#[derive(Clone, Debug, Default)]
+pub struct Shutdown(Arc<AtomicBool>);
+
+impl Shutdown {
+    /// Asks.
+    pub fn request(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn is_requested(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Serves a domain until SIGINT, SIGTERM or `shutdown`. `ready` is called once, when clients can connect.
+///
+/// Nothing stays in shared memory, unless clients are still there: what they hold is removed when they end.
+///
+/// # Errors
+/// [`ServeError`], in particular when another daemon serves the domain.
+pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
+    // What iceoryx2 reports is handled here and logged once; its own log is switched on by IOX2_LOG_LEVEL.
+    set_log_level_from_env_or(LogLevel::Fatal);
+    let options = &ServeOptions { max_sessions: make_room_for_descriptors(options.max_sessions), ..options.clone() };
+    let mut lock = lock(&options.domain)?;
+    lock.wipe_if_unused()?;
+    options.domain.create_folders()?;
+    lock.announce()?;
+    let result = Daemon::start(options).and_then(|daemon| daemon.serve(shutdown, ready));
+    // All ports, services and the node are gone by now.
+    lock.withdraw()?;
+    lock.wipe_if_unused()?;
+    result
+}
+
+/// Takes the domain's lock. A client that is just leaving may hold it for a moment.
+fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
+    const ATTEMPTS: u32 = 10;
+    for _ in 1..ATTEMPTS {
+        match DomainLock::acquire(domain) {
+            Err(LockError::Held { .. }) => std::thread::sleep(Duration::from_millis(20)),
+            other => return other,
+        }
+    }
+    DomainLock::acquire(domain)
+}
+
+/// What a worker does.
+#[derive(Debug)]
+enum Task {
+    Frame(Arc<Session>),
+    Register(Box<RegistrationJob>),
+}
+
+impl Job for Task {
+    fn is_large(&self) -> bool {
+        match self {
+            Self::Frame(session) => session.is_large(),
+            Self::Register(job) => job.is_large(),
+        }
+    }
+
+    fn run(self) -> Option<Self> {
+        match self {
+            Self::Frame(session) => session.serve().then_some(Self::Frame(session)),
+            Self::Register(job) => {
+                job.run();
+                None
+            }
+        }
+    }
+}
+
+/// The daemon's state. Fields are dropped in order: threads before ports before services before the node.
+struct Daemon {
+    pool: Pool<Task>,
+    _metrics: Option<MetricsServer>,
+    control: ControlServer,
+    registry: Arc<Registry>,
+    listener: Listener<Ipc>,
+    _event: Event,
+    node: Arc<Node<Ipc>>,
+    _cleanup: Cleanup,
+}
+
+impl Daemon {
+    fn start(options: &ServeOptions) -> Result<Self, ServeError> {
+        let cleanup = Cleanup::start(options.domain.clone())?;
+        let node = create_node(&options.domain)?;
+        memory::close_to_others(&options.domain)
+            .map_err(|source| ServeError::System { what: "closing shared memory to other users", source })?;
+        // A daemon that was killed still counts as a server until its node is cleaned up.
+        let _ = node.try_cleanup_dead_nodes();
+        let event = services::create_shared_event(&node, names::CONTROL)
+            .map_err(|error| ServeError::transport("creating the control event", &error))?;
+        let listener =
+            event.listener_builder().create().map_err(|error| ServeError::transport("creating a listener", &error))?;
+        let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone()));
+        let pool = Pool::start(options.num_workers())
+            .map_err(|source| ServeError::System { what: "starting a worker", source })?;
+        let metrics = options.metrics.map(|address| MetricsServer::start(address, Arc::clone(&registry)));
+        let metrics = metrics.transpose()?;
+        // The server comes last: clients that see it find everything else in place.
+        let control = ControlServer::start(&node, Arc::clone(&registry))?;
+        Ok(Self { pool, _metrics: metrics, control, registry, listener, _event: event, node, _cleanup: cleanup })
+    }
+
+    fn serve(self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
+        // The first check for signals installs their handlers; only then may a caller count on them.
+        if self.is_asked_to_end() {
+            return Ok(());
+        }
+        ready();
+        let mut dead_nodes = DeadNodes::new(&self.registry.options().domain);
+        let mut wait = FIRST_WAIT;
+        loop {
+            let is_woken = self.wait_for_event(wait);
+            let is_time = dead_nodes.is_due();
+            if shutdown.is_requested() || ((is_time || !is_woken) && self.is_asked_to_end()) {
+                return Ok(());
+            }
+            wait = if is_woken { FIRST_WAIT } else { (WAIT_GROWTH * wait).clamp(FIRST_WAIT, LONGEST_WAIT) };
+            if is_time {
+                dead_nodes.clean_up(&self.node);
+            }
+            self.hand_out_work();
+        }
+    }
+
+    /// Sleeps until an event comes, at most for `wait`; whether one came.
+    fn wait_for_event(&self, wait: Duration) -> bool {
+        match self.listener.timed_wait(|_| {}, wait) {
+            Ok(num_events) => num_events > 0,
+            Err(ListenerWaitError::InterruptSignal) => false,
+            Err(error) => {
+                static FAILED: Throttle = Throttle::new();
+                if let Some(num_suppressed) = FAILED.admit() {
+                    tracing::warn!(?error, num_suppressed, "waiting for events");
+                }
+                std::thread::sleep(wait);
+                false
+            }
+        }
+    }
+
+    /// Answers requests, queues sessions that have a new state, drops sessions without a host. The events that announce
+    /// them have been drained before, so that everything that comes from here on wakes the daemon again.
+    fn hand_out_work(&self) {
+        self.control.answer(|job| self.pool.push(Task::Register(Box::new(job))));
+        self.registry.sessions().retain(|session| {
+            if session.wake() {
+                self.pool.push(Task::Frame(Arc::clone(session)));
+            }
+            session.has_host()
+        });
+    }
+
+    /// Whether a signal has come that asks to end. Costs a system call.
+    fn is_asked_to_end(&self) -> bool {
+        self.node.wait(Duration::ZERO) == Err(NodeWaitFailure::TerminationRequest)
+    }
+}
+
+fn create_node(domain: &Domain) -> Result<Arc<Node<Ipc>>, ServeError> {
+    let node = NodeBuilder::new()
+        .config(&domain.config()?)
+        .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
+        .create::<Ipc>()
+        .map_err(|error| ServeError::transport("creating a node", &error))?;
+    Ok(Arc::new(node))
+}

@@ -1,0 +1,38 @@
+//! Regular cleanup of dead iceoryx2 nodes: their ports, services and tags, as far as iceoryx2 removes them.
+
+use std::time::{Duration, Instant};
+
+use iceoryx2::prelude::Node;
+use untangled_transport::{Domain, services::Ipc};
+
+use super::changes::ChangeDetector;
+
+/// When dead nodes were last looked for.
+#[derive(Debug)]
+pub(crate) struct DeadNodes {
+    last: Instant,
+    changes: ChangeDetector,
+}
+
+impl DeadNodes {
+    /// How often dead nodes are looked for.
+    pub(crate) const INTERVAL: Duration = Duration::from_millis(500);
+
+    pub(crate) fn new(domain: &Domain) -> Self {
+        Self { last: Instant::now(), changes: ChangeDetector::new(domain) }
+    }
+
+    /// Whether an interval has passed since the last cleanup.
+    pub(crate) fn is_due(&self) -> bool {
+        self.last.elapsed() >= Self::INTERVAL
+    }
+
+    /// Cleans up dead nodes, unless nothing has changed since the last time.
+    pub(crate) fn clean_up(&mut self, node: &Node<Ipc>) {
+        if !self.changes.is_unchanged() {
+            // The number of nodes that remain is not news: some dead nodes can never be removed.
+            let _ = node.try_cleanup_dead_nodes();
+        }
+        self.last = Instant::now();
+    }
+}

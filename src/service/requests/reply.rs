@@ -1,0 +1,154 @@
+//! Replies: answers a request and sends the reply.
+
+use std::sync::Arc;
+
+use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude::EventId};
+use untangled_proto::{
+    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status,
+    control::Hello, limits, names, sections::Sections,
+};
+use untangled_transport::{memory, services::Ipc};
+
+use super::{registration, registry::Registry, status};
+use crate::service::{
+    error::{Refusal, ServeError},
+    throttle::Throttle,
+};
+
+/// A request that has not been replied to.
+pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
+
+/// Room for a reply at the start.
+pub(crate) const REPLY_BYTES: usize = 4096;
+
+/// The content of a reply that is no refusal.
+struct Answer {
+    session: u64,
+    text: String,
+}
+
+/// Sends replies, from any thread.
+#[derive(Debug)]
+pub(crate) struct Replier {
+    notifier: Notifier<Ipc>,
+    registry: Arc<Registry>,
+}
+
+impl Replier {
+    pub(crate) fn new(notifier: Notifier<Ipc>, registry: Arc<Registry>) -> Self {
+        Self { notifier, registry }
+    }
+
+    /// Does what a request asks for, and replies.
+    pub(crate) fn answer(&self, request: &Request, header: &RequestHeader) {
+        self.reply(request, header, self.execute(header, request.payload()));
+    }
+
+    /// Opens the session that a request asks for, and replies.
+    pub(crate) fn register(&self, request: &Request, header: &RequestHeader) {
+        self.reply(request, header, self.open_session(header, request.payload()));
+    }
+
+    fn execute(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
+        if header.protocol_version != PROTOCOL_VERSION {
+            let theirs = header.protocol_version;
+            return Err(Refusal::new(
+                Status::UnsupportedProtocol,
+                format_args!(
+                    "the client speaks protocol {theirs}, this daemon {PROTOCOL_VERSION} (untangled {LIBRARY_VERSION})"
+                ),
+            ));
+        }
+        let kind = RequestKind::from_code(header.kind).ok_or_else(|| {
+            Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
+        })?;
+        let sections = sections(header, payload)?;
+        let plain = |text: String| Ok(Answer { session: 0, text });
+        match kind {
+            RequestKind::Hello => plain(json(&Hello {
+                protocol_version: PROTOCOL_VERSION,
+                library_version: LIBRARY_VERSION.to_owned(),
+                iceoryx2_version: ICEORYX2_VERSION.to_owned(),
+                pid: std::process::id(),
+            })),
+            RequestKind::Status => plain(json(&status::report(&self.registry))),
+            RequestKind::Register => self.open_session(header, payload),
+            RequestKind::UpdateSettings => {
+                let settings = registration::settings(&sections, self.registry.options())?;
+                self.registry.find(header.session)?.set_settings(settings)?;
+                plain(String::new())
+            }
+            RequestKind::Close => {
+                self.registry.close(header.session)?;
+                plain(String::new())
+            }
+        }
+    }
+
+    fn open_session(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
+        let session = self.registry.register(&sections(header, payload)?)?;
+        Ok(Answer { session, text: String::new() })
+    }
+
+    fn reply(&self, request: &Request, header: &RequestHeader, answer: Result<Answer, Refusal>) {
+        if let Err(refusal) = &answer {
+            static REFUSED: Throttle = Throttle::new();
+            self.registry.count_refused_request();
+            if let Some(num_suppressed) = REFUSED.admit() {
+                let (kind, status) = (header.kind, refusal.status);
+                tracing::info!(kind, ?status, reason = %refusal, num_suppressed, "request refused");
+            }
+        }
+        if let Err(error) = self.send(request, header.token, answer) {
+            // Most likely the client is gone; a session that it registered ends when no host comes.
+            static LOST: Throttle = Throttle::new();
+            if let Some(num_suppressed) = LOST.admit() {
+                tracing::info!(%error, num_suppressed, "sending a reply");
+            }
+        }
+    }
+
+    fn send(&self, request: &Request, token: [u64; 2], answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
+        let (status, session, text) = match answer {
+            Ok(answer) => (Status::Ok, answer.session, answer.text),
+            Err(refusal) => (refusal.status, 0, refusal.message),
+        };
+        check_room(text.len())?;
+        let mut reply =
+            request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
+        *reply.user_header_mut() = ReplyHeader {
+            protocol_version: PROTOCOL_VERSION,
+            status: status.code(),
+            instance: self.registry.instance(),
+            session,
+            token,
+            ..ReplyHeader::default()
+        };
+        let reply = reply.write_from_slice(text.as_bytes());
+        reply.send().map_err(|error| ServeError::transport("sending a reply", &error))?;
+        // An error means that the client is gone.
+        let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY));
+        Ok(())
+    }
+}
+
+fn sections<'a>(header: &RequestHeader, payload: &'a [u8]) -> Result<Sections<'a>, Refusal> {
+    let num_sections = usize::try_from(header.num_sections).unwrap_or(usize::MAX);
+    Sections::parse(payload, num_sections).map_err(|error| Refusal::new(Status::BadRequest, error))
+}
+
+/// Whether shared memory has room for a reply that is longer than [`REPLY_BYTES`]: its segment grows then, and writing
+/// to a page that the system can't provide ends the process with SIGBUS.
+fn check_room(reply_bytes: usize) -> Result<(), ServeError> {
+    // Times 2, since segments grow by powers of two, and for each of the samples that a server keeps for its clients.
+    let needed = (reply_bytes as u64 * 2).saturating_mul(4 * limits::MAX_CLIENTS as u64);
+    if reply_bytes > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
+        return Err(ServeError::transport("loaning a reply", &"shared memory is full"));
+    }
+    Ok(())
+}
+
+fn json(value: &impl serde::Serialize) -> String {
+    // Structs of numbers and text always serialise.
+    serde_json::to_string(value).unwrap_or_default()
+}

@@ -1,0 +1,98 @@
+//! The report of a running daemon: schema `untangled.status/1`.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use serde::Serialize;
+use untangled_proto::{
+    CorrectionKind, ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, Precision, correction::stage,
+};
+
+use super::registry::Registry;
+use crate::service::session::Session;
+
+/// The report of a daemon, as status replies and metrics carry it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    schema: &'static str,
+    domain: String,
+    pid: u32,
+    library_version: &'static str,
+    protocol_version: u32,
+    iceoryx2_version: &'static str,
+    pub(crate) uptime_s: f64,
+    pub(crate) num_workers: usize,
+    /// Requests that were refused since the daemon started.
+    pub(crate) num_refused_requests: u64,
+    /// Sessions that were registered since the daemon started.
+    pub(crate) num_registered: u64,
+    num_frames: u64,
+    pub(crate) sessions: Vec<SessionReport>,
+}
+
+/// The part of a report that is about one session.
+#[derive(Debug, Serialize)]
+pub(crate) struct SessionReport {
+    pub(crate) session: u64,
+    pub(crate) num_vertices: usize,
+    pub(crate) num_faces: usize,
+    precision: Precision,
+    correction: CorrectionKind,
+    pub(crate) num_frames: u64,
+    pub(crate) num_refused_frames: u64,
+    pub(crate) num_skipped_frames: u64,
+    pub(crate) num_truncated_frames: u64,
+    pub(crate) rate_hz: f64,
+    last_frame: Option<u64>,
+    pub(crate) num_edge_face_intersections: u64,
+    pub(crate) contour_length_m: f64,
+    /// Times of the last frame in microseconds.
+    stage_us: BTreeMap<&'static str, f64>,
+    /// Times of all frames together in seconds.
+    pub(crate) stage_total_s: BTreeMap<&'static str, f64>,
+}
+
+/// Collects the report of a daemon.
+pub(crate) fn report(registry: &Registry) -> Report {
+    let sessions: Vec<SessionReport> = registry.sessions().iter().map(session_report).collect();
+    Report {
+        schema: "untangled.status/1",
+        domain: registry.options().domain.name().to_owned(),
+        pid: std::process::id(),
+        library_version: LIBRARY_VERSION,
+        protocol_version: PROTOCOL_VERSION,
+        iceoryx2_version: ICEORYX2_VERSION,
+        uptime_s: registry.uptime().as_secs_f64(),
+        num_workers: registry.options().num_workers(),
+        num_refused_requests: registry.num_refused_requests(),
+        num_registered: registry.num_registered(),
+        num_frames: sessions.iter().map(|session| session.num_frames).sum(),
+        sessions,
+    }
+}
+
+fn session_report(session: &Arc<Session>) -> SessionReport {
+    let statistics = session.statistics();
+    let last = statistics.last.unwrap_or_default();
+    let by_stage = |scale: f64, times: [u64; 8]| {
+        #[expect(clippy::cast_precision_loss, reason = "2^53 ns are a hundred days of work")]
+        let scaled = times.map(|ns| ns as f64 / scale);
+        stage::NAMES.into_iter().zip(scaled).collect()
+    };
+    SessionReport {
+        session: session.id(),
+        num_vertices: session.mesh().num_vertices(),
+        num_faces: session.mesh().num_faces(),
+        precision: session.precision(),
+        correction: session.correction(),
+        num_frames: statistics.num_frames,
+        num_refused_frames: statistics.num_refused_frames,
+        num_skipped_frames: last.num_skipped_frames,
+        num_truncated_frames: statistics.num_truncated_frames,
+        rate_hz: statistics.rate_hz(),
+        last_frame: statistics.last.map(|header| header.frame),
+        num_edge_face_intersections: last.num_edge_face_intersections,
+        contour_length_m: last.contour_length_m,
+        stage_us: by_stage(1e3, last.stage_ns),
+        stage_total_s: by_stage(1e9, statistics.stage_ns),
+    }
+}

@@ -1,0 +1,217 @@
+//! One session: a mesh, its ports, and the memory that its frames need.
+//!
+//! ```text
+//!          a state has come             taken by a worker, done, nothing new has come
+//!  Idle ----------------------> Queued -----------------------------------------------> Idle
+//!                                 ^  |  woken meanwhile
+//!                                 |  v
+//!                                 Again    (done, and to the end of the queue)
+//! ```
+//!
+//! The thread that waits for events moves a session out of idle, and the worker that has it moves it back. So a
+//! session's
+//! [`Work`] belongs to one worker at a time, and no state is overlooked.
+
+mod clock;
+pub mod ingest;
+mod paths;
+mod ports;
+pub mod publish;
+mod registered;
+mod statistics;
+mod work;
+
+use std::{
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use iceoryx2::prelude::Node;
+use untangle::{mesh::Mesh, settings::Settings, untangler::Untangler};
+use untangled_proto::{CorrectionKind, Precision, Status, correction::stage, limits};
+use untangled_transport::{Domain, services::Ipc};
+
+use super::{
+    error::{Refusal, ServeError},
+    throttle::Throttle,
+};
+use paths::PathsPort;
+use ports::{CorrectionPort, StatePort};
+pub use registered::Registered;
+pub(crate) use statistics::Statistics;
+use work::Work;
+
+/// How long a host may take from the reply to the creation of its publisher.
+const GRACE: Duration = Duration::from_secs(10);
+/// Meshes with more faces than this are large from their first frame on.
+const LARGE_FACES: usize = 20_000;
+/// A session whose last frame took longer than this is large as well, in nanoseconds.
+const LARGE_NS: u64 = 20_000_000;
+
+const IDLE: u8 = 0;
+const QUEUED: u8 = 1;
+const AGAIN: u8 = 2;
+
+/// A host's cloth. Fields are dropped in order: ports before services.
+#[derive(Debug)]
+pub(crate) struct Session {
+    states: StatePort,
+    work: Mutex<Work>,
+    id: u64,
+    mesh: Arc<Mesh>,
+    precision: Precision,
+    correction: CorrectionKind,
+    phase: AtomicU8,
+    /// Settings to take over before the next frame.
+    settings: Mutex<Option<Settings>>,
+    statistics: Mutex<Statistics>,
+    last_ns: AtomicU64,
+    had_host: AtomicBool,
+    created: Instant,
+}
+
+impl Session {
+    /// Creates the services and the daemon's ports of a session.
+    pub(crate) fn create(
+        node: &Node<Ipc>,
+        domain: &Domain,
+        instance: u64,
+        id: u64,
+        registered: Registered,
+    ) -> Result<Self, Refusal> {
+        let internal = |error: ServeError| Refusal::new(Status::Internal, error);
+        let Registered { mesh, settings, precision, correction } = registered;
+        let untangler =
+            Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        let states = StatePort::create(node, instance, id, precision).map_err(internal)?;
+        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices())?;
+        let paths = PathsPort::create(node, instance, id).map_err(internal)?;
+        let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths);
+        Ok(Self {
+            states,
+            work: Mutex::new(work),
+            id,
+            mesh,
+            precision,
+            correction,
+            phase: AtomicU8::new(IDLE),
+            settings: Mutex::new(None),
+            statistics: Mutex::default(),
+            last_ns: AtomicU64::new(0),
+            had_host: AtomicBool::new(false),
+            created: Instant::now(),
+        })
+    }
+
+    pub(crate) fn id(&self) -> u64 {
+        self.id
+    }
+
+    pub(crate) fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    pub(crate) fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    pub(crate) fn correction(&self) -> CorrectionKind {
+        self.correction
+    }
+
+    pub(crate) fn statistics(&self) -> Statistics {
+        lock(&self.statistics).clone()
+    }
+
+    /// Changes the settings from the next frame on.
+    pub(crate) fn set_settings(&self, settings: Settings) -> Result<(), Refusal> {
+        settings.validate().map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        *lock(&self.settings) = Some(settings);
+        Ok(())
+    }
+
+    /// Whether a host is there to send states, or may still come.
+    pub(crate) fn has_host(&self) -> bool {
+        static ENDED: Throttle = Throttle::new();
+        let had_host = self.had_host.load(Ordering::Relaxed);
+        let here = if had_host { self.states.has_publisher() } else { self.created.elapsed() < GRACE };
+        if !here && let Some(num_suppressed) = ENDED.admit() {
+            let num_frames = lock(&self.statistics).num_frames;
+            tracing::info!(session = self.id, num_frames, num_suppressed, "session ended: its host is gone");
+        }
+        here
+    }
+
+    /// Shared memory that the host has yet to take.
+    pub(crate) fn promised_bytes(&self) -> u64 {
+        if self.had_host.load(Ordering::Relaxed) {
+            0
+        } else {
+            limits::state_segment_bytes(self.mesh.num_vertices(), self.precision)
+        }
+    }
+
+    /// Whether a frame may take so long that small sessions must not wait for it.
+    pub(crate) fn is_large(&self) -> bool {
+        self.mesh.num_faces() > LARGE_FACES || self.last_ns.load(Ordering::Relaxed) > LARGE_NS
+    }
+
+    /// Checks for a new state; whether the session is to be queued. For the one thread that waits for events.
+    pub(crate) fn wake(&self) -> bool {
+        if !self.had_host.load(Ordering::Relaxed) && self.states.has_publisher() {
+            self.had_host.store(true, Ordering::Relaxed);
+        }
+        loop {
+            match self.phase.load(Ordering::Acquire) {
+                IDLE => {
+                    let waiting = self.states.has_state();
+                    if waiting {
+                        self.phase.store(QUEUED, Ordering::Release);
+                    }
+                    return waiting;
+                }
+                // It is not known whether the event was this session's, so the worker checks again.
+                QUEUED => {
+                    let changed = self.phase.compare_exchange(QUEUED, AGAIN, Ordering::AcqRel, Ordering::Acquire);
+                    if changed.is_ok() {
+                        return false;
+                    }
+                }
+                _ => return false,
+            }
+        }
+    }
+
+    /// Answers the newest state, if one has come; whether the session is to be queued again. For the worker that has
+    /// it.
+    pub(crate) fn serve(&self) -> bool {
+        self.serve_frame();
+        loop {
+            if self.phase.compare_exchange(QUEUED, IDLE, Ordering::AcqRel, Ordering::Acquire).is_ok() {
+                return false;
+            }
+            self.phase.store(QUEUED, Ordering::Release);
+            if self.states.has_state() {
+                return true;
+            }
+        }
+    }
+
+    fn serve_frame(&self) {
+        let mut work = lock(&self.work);
+        if let Some(settings) = lock(&self.settings).take() {
+            work.set_settings(settings);
+        }
+        if let Some(header) = work.serve(&self.states, |header| lock(&self.statistics).record(header)) {
+            self.last_ns.store(header.stage_ns[stage::TOTAL], Ordering::Relaxed);
+        }
+    }
+}
+
+/// A panic while one of these locks is held leaves no inconsistent state that matters, so a poisoned lock is used on.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,179 @@
+//! One frame of a session: read the newest state, process it, publish its correction.
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+    time::Duration,
+};
+
+use untangle::{
+    frame::Frame,
+    mesh::Mesh,
+    settings::Settings,
+    untangler::{Outcome, Untangler},
+};
+use untangled_proto::{
+    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    correction::{NO_FAULT, stage},
+};
+
+use super::{
+    clock::StageClock,
+    ingest::{self, StateFault},
+    paths::PathsPort,
+    ports::{CorrectionPort, StatePort},
+    publish,
+};
+use crate::service::throttle::Throttle;
+
+/// The fault of a frame whose processing panicked.
+const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FAULT, value: 0.0 };
+
+/// What a worker needs for a frame.
+#[derive(Debug)]
+pub(crate) struct Work {
+    corrections: CorrectionPort,
+    paths: PathsPort,
+    untangler: Untangler,
+    frame: Frame,
+    mesh: Arc<Mesh>,
+    session: u64,
+    correction: CorrectionKind,
+    num_skipped_frames: u64,
+    last_frame: Option<u64>,
+}
+
+impl Work {
+    /// The work of the session with this id; `corrections` and `paths` are its ports.
+    pub(crate) fn new(
+        session: u64,
+        correction: CorrectionKind,
+        mesh: Arc<Mesh>,
+        untangler: Untangler,
+        corrections: CorrectionPort,
+        paths: PathsPort,
+    ) -> Self {
+        let frame = Frame::default();
+        let (num_skipped_frames, last_frame) = (0, None);
+        Self { corrections, paths, untangler, frame, mesh, session, correction, num_skipped_frames, last_frame }
+    }
+
+    /// Takes over settings that were validated before.
+    pub(crate) fn set_settings(&mut self, settings: Settings) {
+        if let Err(error) = self.untangler.set_settings(settings) {
+            tracing::error!(%error, "settings that were checked are refused");
+        }
+    }
+
+    /// Answers the newest state, if one has come. `record` gets the header of the correction before it is sent. Returns
+    /// that header.
+    pub(crate) fn serve(
+        &mut self,
+        states: &StatePort,
+        record: impl FnOnce(&CorrectionHeader),
+    ) -> Option<CorrectionHeader> {
+        let mut clock = StageClock::start(self.untangler.settings().deadline_us.map(Duration::from_micros));
+        let (state, read) = states.read_newest(&mut self.frame, &self.mesh)?;
+        let span = tracing::debug_span!("frame", session = self.session, frame = state.frame);
+        let _entered = span.enter();
+        let header = self.answer(&state, read, &mut clock, record);
+        log_frame(self.session, &header);
+        Some(header)
+    }
+
+    fn answer(
+        &mut self,
+        state: &StateHeader,
+        read: Result<(), StateFault>,
+        clock: &mut StageClock,
+        record: impl FnOnce(&CorrectionHeader),
+    ) -> CorrectionHeader {
+        self.count_skipped(state.frame);
+        let Self { corrections: port, paths, untangler, frame, mesh, correction: kind, .. } = self;
+        let checked = read.and_then(|()| ingest::check_header(state, mesh.num_vertices()));
+        let outcome = checked.and_then(|()| process_guarded(untangler, frame, clock).ok_or(PANICKED));
+        clock.begin_index(stage::PUBLISH);
+        let mut header = match &outcome {
+            Ok(outcome) => publish::header(state, *kind, outcome),
+            Err(fault) => publish::refused(state, *kind, *fault),
+        };
+        header.num_vertices = u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX);
+        header.num_skipped_frames = self.num_skipped_frames;
+        // Before the correction, so that a host that has the correction finds its paths.
+        if let Ok(outcome) = &outcome {
+            paths.publish(state.frame, &outcome.analysis.paths);
+        }
+        let sent = match &outcome {
+            Ok(outcome) => port.send(&mut header, clock, record, |index| {
+                publish::vertex(mesh, outcome.corrections, *kind, state.dt_s, index)
+            }),
+            Err(_) => port.send(&mut header, clock, record, |_| VertexCorrection::default()),
+        };
+        if let Err(error) = sent {
+            static LOST: Throttle = Throttle::new();
+            if let Some(num_suppressed) = LOST.admit() {
+                tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
+            }
+        }
+        if matches!(outcome, Err(StateFault { status: Status::Internal, .. })) {
+            self.reset();
+        }
+        header
+    }
+
+    fn count_skipped(&mut self, frame: u64) {
+        if let Some(last) = self.last_frame.replace(frame) {
+            let skipped = frame.saturating_sub(last).saturating_sub(1);
+            self.num_skipped_frames = self.num_skipped_frames.saturating_add(skipped);
+        }
+    }
+
+    /// Replaces the untangler after a panic, which may have left its memory inconsistent. Its settings are valid still.
+    fn reset(&mut self) {
+        if let Ok(fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+            self.untangler = fresh;
+        }
+    }
+}
+
+/// Processes a frame; nothing if that panicked. A defect that one mesh brings out must not end the sessions of other
+/// hosts.
+fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &mut StageClock) -> Option<Outcome<'a>> {
+    catch_unwind(AssertUnwindSafe(|| {
+        // Moved, so that the outcome may outlive the closure.
+        let untangler = untangler;
+        untangler.process(frame, clock)
+    }))
+    .ok()
+}
+
+fn log_frame(session: u64, header: &CorrectionHeader) {
+    if header.status != Status::Ok.code() {
+        static REFUSED: Throttle = Throttle::new();
+        if let Some(num_suppressed) = REFUSED.admit() {
+            tracing::info!(
+                session,
+                frame = header.frame,
+                status = header.status,
+                index = header.fault_index,
+                value = header.fault_value,
+                num_suppressed,
+                "frame refused"
+            );
+        }
+    }
+    tracing::debug!(
+        num_edge_face_intersections = header.num_edge_face_intersections,
+        contour_length_m = header.contour_length_m,
+        num_pairs_left_out = header.num_pairs_left_out,
+        ingest_ns = header.stage_ns[stage::INGEST],
+        intersect_ns = header.stage_ns[stage::INTERSECT],
+        paths_ns = header.stage_ns[stage::PATHS],
+        regions_ns = header.stage_ns[stage::REGIONS],
+        correspond_ns = header.stage_ns[stage::CORRESPOND],
+        respond_ns = header.stage_ns[stage::RESPOND],
+        publish_ns = header.stage_ns[stage::PUBLISH],
+        total_ns = header.stage_ns[stage::TOTAL],
+        "corrected"
+    );
+}
