@@ -28,8 +28,10 @@ pub enum TelemetryError {
 /// # Errors
 /// [`TelemetryError`].
 pub fn init(telemetry: &Telemetry) -> Result<(), TelemetryError> {
-    let filter: Targets =
-        telemetry.filter.parse().map_err(|source| TelemetryError::Filter { filter: telemetry.filter.clone(), source })?;
+    let filter: Targets = telemetry
+        .filter
+        .parse()
+        .map_err(|source| TelemetryError::Filter { filter: telemetry.filter.clone(), source })?;
     let lines = fmt::layer().with_writer(std::io::stderr).with_ansi(std::io::stderr().is_terminal());
     match telemetry.format {
         LogFormat::Text => registry().with(lines.with_filter(filter)).try_init(),

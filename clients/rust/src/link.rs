@@ -6,7 +6,10 @@ use iceoryx2::{
     port::{listener::Listener, publisher::Publisher, subscriber::Subscriber},
     prelude::{CallbackProgression, Node, NodeState, PortFactory, ZeroCopySend},
 };
-use untangled_proto::{CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection, names::{self, SessionService}};
+use untangled_proto::{
+    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    names::{self, SessionService},
+};
 use untangled_transport::{
     Domain,
     services::{self, CorrectionService, Ipc},

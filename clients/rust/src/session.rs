@@ -5,7 +5,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use untangled_proto::{Precision, RequestKind, names, sections::{SectionWriter, id}};
+use untangled_proto::{
+    Precision, RequestKind, names,
+    sections::{SectionWriter, id},
+};
 
 use crate::{
     connection::Connection,

@@ -16,7 +16,12 @@ use iceoryx2::{
 };
 
 use untangled_proto::paths::PathsHeader;
-use untangled_proto::{control::{ReplyHeader, RequestHeader}, correction::{CorrectionHeader, VertexCorrection}, limits, names, state::StateHeader};
+use untangled_proto::{
+    control::{ReplyHeader, RequestHeader},
+    correction::{CorrectionHeader, VertexCorrection},
+    limits, names,
+    state::StateHeader,
+};
 
 /// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
 pub type Ipc = ipc_threadsafe::Service;

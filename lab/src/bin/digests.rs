@@ -18,9 +18,19 @@ use std::{error::Error, ops::Range, sync::Arc};
 
 use nalgebra::{Point3, Vector3};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use untangle::{analysis::Analysis, frame::Frame, intersect::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd}, mesh::{EdgeId, FaceId, Mesh, VertexId}, paths::{
+use untangle::{
+    analysis::Analysis,
+    frame::Frame,
+    intersect::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    paths::{
         ChainEnd, IntersectionPaths, PairType, PathCopy, PathPair, PathPoint, PathSegment, PathType, SurfacePoint,
-    }, regions::{InsideRegion, InsideRegions}, respond::{Corrections, LeftOut, VertexFlags}, settings::{InsideChoice, Quality, Response, Settings}, untangler::Untangler};
+    },
+    regions::{InsideRegion, InsideRegions},
+    respond::{Corrections, LeftOut, VertexFlags},
+    settings::{InsideChoice, Quality, Response, Settings},
+    untangler::Untangler,
+};
 use untangled_mesh_io::{concatenate, read_mesh};
 
 /// Frames of each world.

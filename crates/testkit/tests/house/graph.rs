@@ -121,7 +121,9 @@ pub(crate) fn circles(graph: &Graph) -> Vec<String> {
         if reached.contains(file) {
             let circle = reached.iter().filter(|other| reachable.get(*other).is_some_and(|back| back.contains(file)));
             let arrows = circle.clone().flat_map(|from| {
-                let to = graph.arrows[*from].iter().filter(|to| reachable.get(to.as_path()).is_some_and(|b| b.contains(file)));
+                let to = graph.arrows[*from]
+                    .iter()
+                    .filter(|to| reachable.get(to.as_path()).is_some_and(|b| b.contains(file)));
                 to.map(move |to| format!("  {} -> {}", from.display(), to.display()))
             });
             found.insert(arrows.collect::<Vec<_>>().join("\n"));

@@ -63,7 +63,8 @@ impl Package {
                 [bin, program, rest @ ..] if bin == "bin" => (Some(program.clone()), rest.to_vec()),
                 _ => (None, module.clone()),
             };
-            let of_program = programs.entry(program).or_insert_with(|| Self { modules: BTreeMap::new(), ..self.clone() });
+            let of_program =
+                programs.entry(program).or_insert_with(|| Self { modules: BTreeMap::new(), ..self.clone() });
             of_program.modules.insert(module, file.clone());
         }
         programs.into_values().collect()

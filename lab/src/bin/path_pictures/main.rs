@@ -22,7 +22,10 @@ use std::{
 use nalgebra::{Point3, Vector3};
 use palette::Pixels;
 use scenes::Scene;
-use untangle::{analysis::Analysis, correspond::Pull, frame::Frame, mesh::Mesh, paths::SurfacePoint, regions::InsideRegions, settings::Settings, untangler::Untangler};
+use untangle::{
+    analysis::Analysis, correspond::Pull, frame::Frame, mesh::Mesh, paths::SurfacePoint, regions::InsideRegions,
+    settings::Settings, untangler::Untangler,
+};
 use untangled::cli::picture::{Picture, View};
 
 /// Pixels of each of the two pictures of a scene.

@@ -3,7 +3,11 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, Vector3};
-use untangle::{analysis::Analysis, mesh::VertexId, paths::{PathCopy, PathPoint, PathType, SurfacePoint}};
+use untangle::{
+    analysis::Analysis,
+    mesh::VertexId,
+    paths::{PathCopy, PathPoint, PathType, SurfacePoint},
+};
 
 /// Adds a straight line.
 pub(crate) fn segment(analysis: &mut Analysis, ends: [Point3<f64>; 2]) {

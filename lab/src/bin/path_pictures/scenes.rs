@@ -6,7 +6,12 @@
 
 use std::{collections::BTreeMap, error::Error};
 
-use untangle::{analysis::{Analysis, analyse}, frame::Frame, mesh::{Mesh, MeshDescription, Uvs}, paths::PairType};
+use untangle::{
+    analysis::{Analysis, analyse},
+    frame::Frame,
+    mesh::{Mesh, MeshDescription, Uvs},
+    paths::PairType,
+};
 
 /// A scene, where it is seen from, and what it is to show.
 pub(crate) struct Scene {
