@@ -42,7 +42,8 @@ mod tests {
 
     /// A trial that leaves so many intersections, with so much strain.
     fn trial(num_edge_face: usize, strain: f64) -> Trial {
-        let mut trial = Trial { is_usable: true, ..Trial::default() };
+        let mut trial = Trial::default();
+        trial.is_usable = true;
         trial.best.tangles = vec![Tangle { num_edge_face, ..Tangle::default() }];
         trial.best.strains = vec![strain];
         trial
