@@ -13,8 +13,8 @@ use crate::{
     mesh::FaceId,
 };
 
-/// The bending stiffness of the flow grows from the first value by a factor for each iteration, until nothing intersects
-/// or the last value is passed.
+/// The bending stiffness of the flow grows from the first value by a factor for each iteration, until nothing
+/// intersects or the last value is passed.
 const FIRST_BENDING: f64 = 0.25;
 const LAST_BENDING: f64 = 1e5;
 const BENDING_STEP: f64 = 4.0;
