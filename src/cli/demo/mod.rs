@@ -75,7 +75,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> Result<Outcome, DemoError> {
     fs::create_dir_all(&args.out).map_err(DemoError::system(format!("creating {}", args.out.display())))?;
     let scratch = Scratch::new()?;
     let daemon = Daemon::start(&scratch)?;
-    say("Untangling: a simulator sends each step to the daemon, a second process, and applies its corrections.")?;
+    say("Untangling: a simulator sends each step to the daemon, another process, and applies its answer.")?;
     let folder = args.out.to_string_lossy().into_owned();
     let summary = run_publisher(args, &scratch, &daemon, &["--out", &folder])?;
     say(&words::untangled(&summary))?;

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weighted_sum_of_a_hinge_is_zero_when_flat_and_the_paper_s_length_when_bent() {
+    fn weighted_sum_of_a_hinge_is_zero_when_flat_and_of_known_length_when_bent() {
         let (a, b) = (Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, 2.0, 0.0));
         let flat = [a, b, Vec3::new(-1.0, 0.7, 0.0), Vec3::new(1.5, 1.2, 0.0)];
         let (k, _) = weights(flat).unwrap();
