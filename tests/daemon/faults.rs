@@ -47,7 +47,8 @@ fn client_process() {
 
 fn assert_clean(row: &Row) {
     assert!(row.is_clean() && row.num_tries > 0, "{row:?}");
-    println!("{row:?}");
+    // Shown with `--nocapture`: what was tried and seen.
+    eprintln!("{row:?}");
 }
 
 #[test]

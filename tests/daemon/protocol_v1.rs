@@ -11,6 +11,8 @@ use iceoryx2::{
 use untangled_testkit::process::{Daemon, TestDomain, eventually};
 
 type Ipc = ipc_threadsafe::Service;
+type States = Publisher<Ipc, [PositionF32], StateHeader>;
+type Corrections = Subscriber<Ipc, [VertexCorrection], CorrectionHeader>;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
 #[repr(C)]
@@ -153,10 +155,7 @@ const POSITIONS: [[f32; 3]; 6] =
     [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.5, 1.0, 2.0], [1.5, 1.0, 2.0], [1.0, 1.1, -1.0]];
 
 /// The ports of a session of 6 vertices.
-fn session_ports(
-    node: &Node<Ipc>,
-    reply: &ReplyHeader,
-) -> (Publisher<Ipc, [PositionF32], StateHeader>, Subscriber<Ipc, [VertexCorrection], CorrectionHeader>) {
+fn session_ports(node: &Node<Ipc>, reply: &ReplyHeader) -> (States, Corrections) {
     let service = |last: &str| name(&format!("untangled/{:016x}/{}/{last}", reply.instance, reply.session));
     let states = node
         .service_builder(&service("state"))
@@ -177,12 +176,7 @@ fn session_ports(
 }
 
 /// Sends a frame and checks its correction.
-fn exchange_frame(
-    node: &Node<Ipc>,
-    states: &Publisher<Ipc, [PositionF32], StateHeader>,
-    corrections: &Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
-    frame: u64,
-) {
+fn exchange_frame(node: &Node<Ipc>, states: &States, corrections: &Corrections, frame: u64) {
     let mut sample = states.loan_slice_uninit(6).unwrap();
     *sample.user_header_mut() =
         StateHeader { frame, simulated_s: 0.5, dt_s: 0.01, num_vertices: 6, ..StateHeader::default() };

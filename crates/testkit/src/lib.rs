@@ -36,6 +36,8 @@ pub mod hosts;
 
 pub mod faults;
 
+pub mod intake;
+
 pub mod fuzz;
 
 pub mod numerics;

@@ -10,16 +10,15 @@ use untangle::{
     settings::Settings,
     untangler::Untangler,
 };
-use untangled::service::{
-    ServeOptions,
-    fuzz::{self, Positions},
-};
+use untangled::service::ServeOptions;
 use untangled_mesh_io::{concatenate, read_mesh};
 use untangled_proto::{
     PositionF32, PositionF64, StateHeader,
     sections::{SectionWriter, id},
 };
 use untangled_transport::Domain;
+
+use crate::intake::{Positions, accept_state, read_registration, read_settings};
 
 use super::{
     checks::{check_file, check_frame, check_mesh},
@@ -98,10 +97,10 @@ impl Fuzzer {
         };
         let accepted = if rng.random() {
             let positions: Vec<_> = positions.iter().map(|p| PositionF32(p.map(|x| x as f32))).collect();
-            fuzz::state(&header, Positions::F32(&positions), &mesh, &mut self.frame)
+            accept_state(&header, Positions::F32(&positions), &mesh, &mut self.frame)
         } else {
             let positions: Vec<_> = positions.iter().map(|&p| PositionF64(p)).collect();
-            fuzz::state(&header, Positions::F64(&positions), &mesh, &mut self.frame)
+            accept_state(&header, Positions::F64(&positions), &mesh, &mut self.frame)
         };
         if accepted {
             check_frame(untangler, &self.frame);
@@ -118,7 +117,7 @@ impl Fuzzer {
         if rng.random_bool(0.05) {
             num_sections = rng.random();
         }
-        let Ok((mesh, settings)) = fuzz::registration(&payload, num_sections, &self.options) else { return false };
+        let Ok((mesh, settings)) = read_registration(&payload, num_sections, &self.options) else { return false };
         assert_eq!(settings.validate(), Ok(()));
         check_mesh(&mesh);
         let positions: Vec<[f64; 3]> =
@@ -136,7 +135,7 @@ impl Fuzzer {
             damage(rng, &mut document);
         }
         let (payload, num_sections) = SectionWriter::default().bytes(id::SETTINGS, document).finish();
-        let Ok(settings) = fuzz::settings(&payload, num_sections, &self.options) else { return false };
+        let Ok(settings) = read_settings(&payload, num_sections, &self.options) else { return false };
         assert_eq!(settings.validate(), Ok(()));
         // What is valid can be used.
         let untangler = &mut self.meshes[1];

@@ -83,7 +83,7 @@ fn make_tables(plan: &Plan) {
         ("fairness", "Fairness", || vec![cost::fairness(PROGRAMS)]),
         ("idle", "An idle daemon", || vec![cost::idle(PROGRAMS)]),
     ];
-    for (name, title, make) in sections.into_iter().filter(|(name, ..)| plan.wants(name)) {
+    for (_, title, make) in sections.into_iter().filter(|(name, ..)| plan.wants(name)) {
         let section = format!("\n## {title}\n\n{}\n", make().join("\n"));
         println!("{section}");
         text.push_str(&section);

@@ -9,9 +9,9 @@ use untangle::{
     settings::Settings,
     untangler::Untangler,
 };
-use untangled::service::fuzz::{self, Positions};
 use untangled_proto::{PositionF32, PositionF64, StateHeader};
 
+use crate::intake::{Positions, accept_state};
 use crate::numerics::{
     answer::{check_all_responses, frame},
     case::{Case, Chapter, Seen, ensure},
@@ -215,7 +215,7 @@ fn in_header() -> Seen {
     let accepts = |header: StateHeader| {
         let [single, double] =
             [Positions::F32(&[PositionF32([0.0; 3]); 3]), Positions::F64(&[PositionF64([0.0; 3]); 3])];
-        let accepted = [single, double].map(|positions| fuzz::state(&header, positions, &mesh, &mut Frame::default()));
+        let accepted = [single, double].map(|positions| accept_state(&header, positions, &mesh, &mut Frame::default()));
         accepted.into_iter().all(|accepted| accepted)
     };
     for dt_s in [1e-9, 1e-3, 1.0, 1e9] {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use untangle::{respond::VertexFlags, settings::Settings};
-use untangled::service::fuzz;
+use untangled::service::session::publish;
 use untangled_proto::{CorrectionKind, VertexCorrection};
 use untangled_publisher::{
     scenes::Scene,
@@ -43,7 +43,7 @@ pub(super) fn wire(effort: Effort) -> Seen {
                         CorrectionKind::VelocityChange => force / (mass * dt_s),
                         CorrectionKind::Displacement => force / *mass,
                     };
-                    match sent(expected, fuzz::correction(&mesh, &corrections, kind, dt_s, index))? {
+                    match sent(expected, publish::vertex(&mesh, &corrections, kind, dt_s, index))? {
                         Sent::Right(apart) => worst = worst.max(apart),
                         Sent::TooLarge => too_large += 1,
                     }
