@@ -7,4 +7,5 @@ mod demo;
 mod fix;
 mod fix_files;
 mod fix_inputs;
+mod manual;
 mod mesh_folder;

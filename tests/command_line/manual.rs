@@ -8,8 +8,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use untangled::config::Config;
 use untangle::settings::Settings;
+use untangled::config::Config;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

@@ -128,7 +128,7 @@ fn relax_in_single_precision_keeps_positions_representable() {
     #[expect(clippy::cast_possible_truncation, reason = "the purpose")]
     let rounded = |value: f64| f64::from(value as f32);
     sheet.positions.iter_mut().flatten().for_each(|value| *value = rounded(*value));
-    let settings = RelaxSettings { single_precision: true, quality: Effort::Fast, ..RelaxSettings::default() };
+    let settings = RelaxSettings { single_precision: true, effort: Effort::Fast, ..RelaxSettings::default() };
     let relaxation = run(&sheet, &settings);
     assert!(relaxation.positions.iter().flatten().all(|&value| value.to_bits() == rounded(value).to_bits()));
     assert_eq!(count_edge_face(&relaxation.positions, &sheet.faces), Ok(0));

@@ -52,8 +52,8 @@ impl Analyser {
         &self.analysis
     }
 
-    /// Clears what is cached of earlier frames, so that the next one takes a cold search. Answers never depend on it: this is
-    /// for measuring.
+    /// Clears what is cached of earlier frames, so that the next one takes a cold search. Answers never depend on it:
+    /// this is for measuring.
     pub fn clear_cache(&mut self) {
         self.intersector.clear_cache();
     }

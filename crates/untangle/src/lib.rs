@@ -1,4 +1,5 @@
-//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that bring it apart.
+//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that bring
+//! it apart.
 //!
 //! The method is that of Wicke, Lanker and Gross, "Untangling Cloth With Boundaries" (2006), with exact signs.
 //!

@@ -15,14 +15,15 @@ pub enum Stage {
     Respond,
 }
 
-/// Told when a stage begins, and asked whether to go on: how callers with a clock measure stages and end a frame early. `()`
-/// ignores it and has all the time in the world.
+/// Told when a stage begins, and asked whether to go on: how callers with a clock measure stages and end a frame early.
+/// `()` ignores it and has all the time in the world.
 pub trait StageObserver {
     /// `stage` begins now, and the one before it has ended.
     fn begin(&mut self, stage: Stage);
     /// The last stage has ended.
     fn end(&mut self);
-    /// Whether the time for this frame is up. Asked before each pair of paths, the longest first; what comes after is left out.
+    /// Whether the time for this frame is up. Asked before each pair of paths, the longest first; what comes after is
+    /// left out.
     fn is_spent(&mut self) -> bool {
         false
     }

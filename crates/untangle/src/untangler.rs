@@ -13,8 +13,8 @@ use crate::{
     stage::{Stage, StageObserver},
 };
 
-/// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give the
-/// same answer, whatever came before.
+/// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give
+/// the same answer, whatever came before.
 #[derive(Debug)]
 pub struct Untangler {
     mesh: Arc<Mesh>,

@@ -30,7 +30,8 @@ impl View {
         Self::from_direction(positions, AZIMUTH, ELEVATION, width, height)
     }
 
-    /// As [`of`](Self::of), from another direction: angle round the height of the box, and above the horizon, in radians.
+    /// As [`of`](Self::of), from another direction: angle round the height of the box, and above the horizon, in
+    /// radians.
     #[must_use]
     pub fn from_direction(
         positions: &[Point3<f64>],

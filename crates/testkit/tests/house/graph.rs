@@ -63,8 +63,8 @@ impl Graph {
 }
 
 impl Resolver<'_> {
-    /// The file of the package in which the last name of a path is defined, as seen from a module; nothing for paths that lead
-    /// out of the package and for a module as such.
+    /// The file of the package in which the last name of a path is defined, as seen from a module; nothing for paths
+    /// that lead out of the package and for a module as such.
     fn file_of(&self, module: &[String], path: &[String]) -> Option<&PathBuf> {
         let (base, rest) = self.start(module, path)?;
         self.descend(base, rest, 0)

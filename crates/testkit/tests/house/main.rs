@@ -1,6 +1,7 @@
 //! The rules of the house, held over the sources of all crates: floors, circles of files, sizes of rooms and lines.
 //!
-//! Reads text and syntax; nothing is built. `cargo test -p untangled-testkit --test house -- --nocapture` prints what it counted.
+//! Reads text and syntax; nothing is built. `cargo test -p untangled-testkit --test house -- --nocapture` prints what
+//! it counted.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test")]
 

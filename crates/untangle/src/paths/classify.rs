@@ -130,7 +130,8 @@ impl Builder<'_> {
         });
     }
 
-    /// A chain from a loop vertex to the boundary: one path that is folded there, or two that end in a vertex of the boundary.
+    /// A chain from a loop vertex to the boundary: one path that is folded there, or two that end in a vertex of the
+    /// boundary.
     fn add_folded(&mut self, chain: usize, vertex: VertexId, end: BoundaryEnd) -> PairType {
         let half = |copy, reversed| HalfPath { chain, copy, reversed };
         let (bounded, free) = (end.bounded, 1 - end.bounded);

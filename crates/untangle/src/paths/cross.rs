@@ -1,8 +1,9 @@
 //! CROSS: two chains from the boundary that meet in one loop vertex, joined to a path that passes through it.
 //!
-//! Each chain leaves the vertex along two half-paths on the cloth, `A`, which ends on the boundary, and `B`, which ends inside.
-//! Seen from above the vertex, joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws chords in the
-//! circle of half-paths. A reading of the paths is possible only if its chords do not cross.
+//! Each chain leaves the vertex along two half-paths on the cloth, `A`, which ends on the boundary, and `B`, which ends
+//! inside. Seen from above the vertex, joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded
+//! back to `B`, draws chords in the circle of half-paths. A reading of the paths is possible only if its chords do not
+//! cross.
 //!
 //! BLLB: two chains from different loop vertices that end on boundaries which touch exactly there.
 
@@ -81,8 +82,9 @@ impl Crosses {
         self.candidates.sort_unstable();
         let mut rest = std::mem::take(&mut self.candidates);
         for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
-            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change. Lengths that are
-            // exactly equal are told apart by where the paths end, which the order of faces can't change.
+            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change.
+            // Lengths that are exactly equal are told apart by where the paths end, which the order of faces can't
+            // change.
             group.sort_unstable_by_key(|&(_, chain)| {
                 // Not negative, so that the bits are in the order of the values.
                 (view.length_m(chain).to_bits(), view.last_crossing(chain), chain)

@@ -1,13 +1,13 @@
 //! Exact signs on one consistently perturbed input: the only home of geometric decisions.
 //!
-//! Every vertex is thought to be moved by an infinitesimal amount that depends on its index alone (simulation of simplicity,
-//! Edelsbrunner and Mücke 1990). On the moved input no four points lie in a plane, so that a sign is never zero, and all
-//! signs together belong to *one* input: whatever is derived from them is consistent. The sign of the unmoved determinant is
-//! found by adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly zero, the sign of the first
-//! coefficient of the perturbation that does not vanish decides.
+//! Every vertex is thought to be moved by an infinitesimal amount that depends on its index alone (simulation of
+//! simplicity, Edelsbrunner and Mücke 1990). On the moved input no four points lie in a plane, so that a sign is never
+//! zero, and all signs together belong to *one* input: whatever is derived from them is consistent. The sign of the
+//! unmoved determinant is found by adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly
+//! zero, the sign of the first coefficient of the perturbation that does not vanish decides.
 //!
-//! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates in the
-//! range where that holds.
+//! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates
+//! in the range where that holds.
 
 mod plane;
 
@@ -17,7 +17,8 @@ use robust::{Coord, Coord3D};
 /// On which side of an oriented plane a point lies. There is no third answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// Where the plane's vertices, seen from the point, run clockwise: a positive volume of (a, b, c, d), right-hand rule.
+    /// Where the plane's vertices, seen from the point, run clockwise: a positive volume of (a, b, c, d), right-hand
+    /// rule.
     Above,
     /// The other side.
     Below,
@@ -47,8 +48,8 @@ pub struct Site {
     pub index: u32,
 }
 
-/// The side of the plane through `a`, `b`, `c` on which `d` lies: the sign of `(b - a) x (c - a) . (d - a)` on the perturbed
-/// input.
+/// The side of the plane through `a`, `b`, `c` on which `d` lies: the sign of `(b - a) x (c - a) . (d - a)` on the
+/// perturbed input.
 ///
 /// Cost: one filtered determinant nearly always; exact expansions near zero; up to fourteen minors at exactly zero.
 ///
@@ -103,9 +104,10 @@ fn sort_by_index(sites: &mut [Site; 4]) -> bool {
 
 /// One coefficient of the perturbed determinant.
 ///
-/// The determinant has the rows `(x, y, z, 1)` of the four sites, sorted by index. Site `i` moves by `e(i, j)` in coordinate
-/// `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each larger than any product of those after it. The
-/// coefficient of a product of such terms is, up to its sign, the determinant without the rows and columns of the factors.
+/// The determinant has the rows `(x, y, z, 1)` of the four sites, sorted by index. Site `i` moves by `e(i, j)` in
+/// coordinate `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each larger than any product of those after
+/// it. The coefficient of a product of such terms is, up to its sign, the determinant without the rows and columns of
+/// the factors.
 struct Minor {
     /// Rows (sites) that stay.
     rows: &'static [usize],
@@ -183,8 +185,8 @@ mod tests {
         assert_eq!(side_of_plane(a, b, c, site(3, 0., 0., -1.)), Side::Below);
     }
 
-    /// The side after a move by symbols: numbers are polynomials in one infinitesimal, maps from exponents to integers, and the sign
-    /// is that of the term with the lowest exponent. Shares nothing with the table of minors.
+    /// The side after a move by symbols: numbers are polynomials in one infinitesimal, maps from exponents to integers,
+    /// and the sign is that of the term with the lowest exponent. Shares nothing with the table of minors.
     fn moved_side(sites: &[Site; 4]) -> Side {
         use std::collections::BTreeMap;
         type Poly = BTreeMap<u32, i128>;

@@ -2,8 +2,8 @@
 
 use super::{Side, Site, side_of_plane};
 
-/// Relative to the sum of its terms' magnitudes, the error of the determinant below is at most this (Shewchuk 1997, the first of the bounds of
-/// Orient3D): its operations are those, with the roles of the four points changed.
+/// Relative to the sum of its terms' magnitudes, the error of the determinant below is at most this (Shewchuk 1997, the
+/// first of the bounds of Orient3D): its operations are those, with the roles of the four points changed.
 const ROUNDING: f64 = (7.0 + 56.0 * UNIT) * UNIT;
 /// 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;

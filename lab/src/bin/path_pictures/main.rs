@@ -23,7 +23,7 @@ use nalgebra::{Point3, Vector3};
 use palette::Pixels;
 use scenes::Scene;
 use untangle::{
-    analysis::Analysis, correspond::Pull, frame::Frame, mesh::Mesh, paths::SurfacePoint, regions::InsideRegions,
+    analysis::Analysis, correspond::Attraction, frame::Frame, mesh::Mesh, paths::SurfacePoint, regions::InsideRegions,
     settings::Settings, untangler::Untangler,
 };
 use untangled::cli::picture::{Picture, View};
@@ -49,12 +49,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     draw(&scenes::coarse_strip()?, true, &folder.join("targets.png"))
 }
 
-/// Writes a picture of the scene in the world, with a line from each point inside to its target if asked for, and beside
-/// it one of its parameter domain, with a dot at both ends of those lines.
+/// Writes a picture of the scene in the world, with a line from each point inside to its target if asked for, and
+/// beside it one of its parameter domain, with a dot at both ends of those lines.
 fn draw(scene: &Scene, with_targets: bool, path: &Path) -> Result<(), Box<dyn Error>> {
     let (mesh, frame, analysis) = scene.analyse()?;
     let mesh = Arc::new(mesh);
-    let pulls = if with_targets { targets(&mesh, &frame)? } else { Vec::new() };
+    let attractions = if with_targets { targets(&mesh, &frame)? } else { Vec::new() };
     let analysis = only_long_pair(scene, &analysis)?;
     let flat_frame = Frame::new(&mesh, &scene.domain.iter().map(|&[u, v]| [u, v, 0.0]).collect::<Vec<_>>())?;
     let mut flat_analysis = analysis.clone();
@@ -62,15 +62,15 @@ fn draw(scene: &Scene, with_targets: bool, path: &Path) -> Result<(), Box<dyn Er
         point.position = place(&mesh, &flat_frame, point.own);
     }
     let world = picture(&mesh, &frame, analysis, scene.seen_from, "world", |analysis, scale| {
-        for pull in &pulls {
-            let [source, target] = [pull.source, pull.target].map(|point| point.position(&frame));
+        for attraction in &attractions {
+            let [source, target] = [attraction.source, attraction.target].map(|point| point.position(&frame));
             marks::segment(analysis, [source, target]);
             marks::ball(analysis, target, 2.0 * LINE_END / scale);
         }
     });
     let above = [0.0, FRAC_PI_2];
     let domain = picture(&mesh, &flat_frame, flat_analysis, above, "parameter domain", |analysis, scale| {
-        for point in pulls.iter().flat_map(|pull| [pull.source, pull.target]) {
+        for point in attractions.iter().flat_map(|attraction| [attraction.source, attraction.target]) {
             marks::ball(analysis, point.position(&flat_frame), LINE_END / scale);
         }
     });
@@ -98,9 +98,9 @@ fn picture(
 }
 
 /// The points inside and their targets.
-fn targets(mesh: &Arc<Mesh>, frame: &Frame) -> Result<Vec<Pull>, Box<dyn Error>> {
+fn targets(mesh: &Arc<Mesh>, frame: &Frame) -> Result<Vec<Attraction>, Box<dyn Error>> {
     let mut untangler = Untangler::new(Arc::clone(mesh), Settings::default())?;
-    Ok(untangler.process(frame, &mut ()).correspondences.pulls.clone())
+    Ok(untangler.process(frame, &mut ()).correspondences.attractions.clone())
 }
 
 fn place(mesh: &Mesh, frame: &Frame, point: SurfacePoint) -> Point3<f64> {

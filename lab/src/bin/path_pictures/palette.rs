@@ -45,8 +45,8 @@ impl Pixels {
 /// Different colours, each with the number of its pixels.
 type Members = Vec<([u8; 3], usize)>;
 
-/// Divides the colours of a picture into at most `num_boxes` boxes: the box of the largest extent, weighted by its pixels,
-/// is cut at its median.
+/// Divides the colours of a picture into at most `num_boxes` boxes: the box of the largest extent, weighted by its
+/// pixels, is cut at its median.
 fn median_cut(colours: &[[u8; 3]], num_boxes: usize) -> Vec<Members> {
     let mut counts = BTreeMap::new();
     for colour in colours {
