@@ -1,9 +1,9 @@
-// What a C or C++ host links to talk to the untangled daemon. clients/README.md says how; clients/c/example.c shows it.
+// The C interface of untangled. clients/README.md says how to use it; clients/c/example.c shows it.
 //
 // Made from the crate in this folder, and kept in step by a test: WRITE_HEADER=1 cargo test -p untangled-client-c
 //
-// A session may be used from any thread, by one at a time: calls of others wait. Lengths are in metres, times in seconds, masses in
-// kilograms, forces in newtons. Functions return a code; untangled_last_error() says it in words.
+// A session may be used from any thread, by one at a time: calls of other threads wait. Lengths are in metres, times in
+// seconds, masses in kilograms, forces in newtons. Functions return a code; untangled_last_error() says it in words.
 
 #ifndef UNTANGLED_H
 #define UNTANGLED_H
@@ -62,7 +62,8 @@ enum untangled_error
     UNTANGLED_NOT_ENOUGH_MEMORY = 11,
     // The transport failed.
     UNTANGLED_TRANSPORT = 12,
-    // The daemon went away, and has not yet taken the session up again. Go on without, and try again with the next frame.
+    // The daemon went away, and has not yet taken the session up again. Go on without, and try again with the next
+    // frame.
     UNTANGLED_RECONNECTING = 13,
     // The daemon went away while it was waited for. Go on without; the next frame registers the session again.
     UNTANGLED_DAEMON_LOST = 14,
@@ -127,7 +128,8 @@ typedef uint32_t untangled_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles` are required.
+// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles`
+// are required.
 typedef struct {
     // Set by `untangled_registration_init`; a library whose structure has another size refuses it.
     size_t struct_size;
@@ -141,7 +143,8 @@ typedef struct {
     const double *uv_coordinates;
     // Number of texture coordinates.
     size_t num_uv_coordinates;
-    // For each triangle the texture coordinate of its corners, `num_triangles x 3`; null only without texture coordinates.
+    // For each triangle the texture coordinate of its corners, `num_triangles x 3`; null only without texture
+    // coordinates.
     const uint32_t *uv_corners;
     // Unstrained positions in metres, `num_vertices x 3`, or null.
     const double *rest_positions_m;
@@ -213,7 +216,8 @@ typedef struct {
     uint32_t faces[2];
 } untangled_path_point;
 
-// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or `untangled_close`.
+// The correction of one frame. Addresses point into shared memory, and are valid until `untangled_release` or
+// `untangled_close`.
 typedef struct {
     // The frame that it is for.
     uint64_t frame;
@@ -269,7 +273,8 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// Why the last call of this thread that failed did so, in words, UTF-8. It is valid until the next call of this thread.
+// Why the last call of this thread that failed did so, in words, UTF-8. It is valid until the next call of this
+// thread.
 const char *untangled_last_error(void);
 
 // Whether a simulation should go on without help for this step, and try again with the next one.
@@ -284,14 +289,12 @@ untangled_error untangled_registration_init(untangled_registration *registration
 // `UNTANGLED_ABI_VERSION` of the library that was linked, to compare with that of the header.
 uint32_t untangled_abi_version(void);
 
-// Connects to the daemon of a domain, waiting up to `timeout_us` microseconds for it to come up; later requests may take as long.
-// `domain` null is the environment variable `UNTANGLED_DOMAIN`, else `default`.
+// Connects to the daemon of a domain, waiting up to `timeout_us` microseconds for it to come up; later requests may
+// take as long. `domain` null is the environment variable `UNTANGLED_DOMAIN`, else `default`.
 //
 // # Safety
 // `domain` is null or ends in a zero byte; `client` is null or may be written.
-untangled_error untangled_connect(const char *domain,
-                                  uint64_t timeout_us,
-                                  untangled_client *client);
+untangled_error untangled_connect(const char *domain, uint64_t timeout_us, untangled_client *client);
 
 // Ends a connection. Its sessions live on.
 untangled_error untangled_disconnect(untangled_client client);
@@ -299,8 +302,8 @@ untangled_error untangled_disconnect(untangled_client client);
 // Opens a session; everything that `registration` points to is copied.
 //
 // # Safety
-// `registration` is null or points to one whose addresses are null or hold as many elements as it says; `session` is null or may be
-// written.
+// `registration` is null or points to one whose addresses are null or hold as many elements as it says; `session` is
+// null or may be written.
 untangled_error untangled_register(untangled_client client,
                                    const untangled_registration *registration,
                                    untangled_session *session);
@@ -320,25 +323,21 @@ uint32_t untangled_num_registrations(untangled_session session);
 // `settings_json` is null or ends in a zero byte.
 untangled_error untangled_update_settings(untangled_session session, const char *settings_json, uint64_t timeout_us);
 
-// The daemon's state as a JSON document (schema `untangled.status/1`) that ends in a zero byte. Its length without that goes to
-// `length`; a `buffer` of `capacity` bytes that is too short is `UNTANGLED_INVALID_ARGUMENT`, and null with 0 asks for the length alone.
+// The daemon's state as a JSON document (schema `untangled.status/1`) that ends in a zero byte. Its length without
+// that goes to `length`; a `buffer` of `capacity` bytes that is too short is `UNTANGLED_INVALID_ARGUMENT`, and null
+// with 0 asks for the length alone.
 //
 // # Safety
 // `buffer` is null or `capacity` bytes may be written there; `length` is null or may be written.
-untangled_error untangled_status(untangled_client client,
-                                 char *buffer,
-                                 size_t capacity,
-                                 size_t *length);
+untangled_error untangled_status(untangled_client client, char *buffer, size_t capacity, size_t *length);
 
-// Begins a frame of a session in single precision: `positions` becomes the address of `num_vertices x 3` numbers in shared memory, in
-// metres. They hold what an earlier frame left there: write all of them, then call `untangled_send_frame`. One frame at a time.
+// Begins a frame of a session in single precision: `positions` becomes the address of `num_vertices x 3` numbers in
+// shared memory, in metres. They hold what an earlier frame left there: write all of them, then call
+// `untangled_send_frame`. One frame at a time.
 //
 // # Safety
 // `positions` is null or may be written.
-untangled_error untangled_begin_frame(untangled_session session,
-                                      double simulated_s,
-                                      double dt_s,
-                                      float **positions);
+untangled_error untangled_begin_frame(untangled_session session, double simulated_s, double dt_s, float **positions);
 
 // `untangled_begin_frame` of a session in double precision.
 //
@@ -349,19 +348,18 @@ untangled_error untangled_begin_frame_f64(untangled_session session,
                                           double dt_s,
                                           double **positions);
 
-// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any more, whatever
-// this returns.
+// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any
+// more, also after an error.
 //
 // # Safety
 // `frame` is null or may be written.
-untangled_error untangled_send_frame(untangled_session session,
-                                     uint64_t *frame);
+untangled_error untangled_send_frame(untangled_session session, uint64_t *frame);
 
 // Drops the frame that was begun. The positions must not be used any more.
 untangled_error untangled_abandon_frame(untangled_session session);
 
-// Waits for the correction of a frame, up to `deadline_us` microseconds. Release what it wrote to `correction`; a session can hold
-// three.
+// Waits for the correction of a frame, up to `deadline_us` microseconds. Release what it wrote to `correction`; a
+// session can hold three.
 //
 // # Safety
 // `correction` is null or may be written.
@@ -376,8 +374,8 @@ untangled_error untangled_wait(untangled_session session,
 // `correction` is null or may be written.
 untangled_error untangled_newest(untangled_session session, untangled_correction *correction);
 
-// Copies `num_vertices x 3` positions into a frame, sends it, and waits for its correction: lock step in one call, for hosts that keep
-// their positions elsewhere. `num_vertices` must be the session's.
+// Copies `num_vertices x 3` positions into a frame, sends it, and waits for its correction: lock step in one call, for
+// hosts that keep their positions elsewhere. `num_vertices` must be the session's.
 //
 // # Safety
 // `positions` is null or holds `num_vertices x 3` numbers; `correction` is null or may be written.

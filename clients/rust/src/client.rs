@@ -10,10 +10,9 @@ use untangled_proto::{ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status, c
 use untangled_transport::Domain;
 
 use crate::{
-    connection::{Connection, RETRY},
+    control::{Connection, Pending, RETRY},
     error::{ConnectError, RegisterError, RequestError},
     registration::Registration,
-    request::Pending,
     session::Session,
 };
 

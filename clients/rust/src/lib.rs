@@ -28,33 +28,21 @@
 //! gave. It notices a daemon that died or was restarted, and registers the session again at its next call: see
 //! [`Session`].
 //!
-//! Modules, each using only those before it: `error`, `memory`, `poll`; `connection` (node and control services),
-//! `request` (one request and its reply), `registration`; `paths`, `link` (ports of a session), `reconnect` (registers
-//! again), `loan`, `correction`; `session`; `client`.
+//! Modules, each using only those before it: `error`, `registration`; `control` (the connection to a daemon, and
+//! requests); `session` (ports, registering again, loans, corrections, paths); `client`.
 
 mod client;
-mod connection;
-mod correction;
+mod control;
 mod error;
-mod link;
-mod loan;
-mod memory;
-mod paths;
-mod poll;
-mod reconnect;
 mod registration;
-mod request;
 mod session;
 
 pub use client::{Client, ClientOptions};
-pub use correction::Correction;
 pub use error::{
     ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
 };
-pub use loan::{Loan, LoanMemory, StepTime};
-pub use paths::Paths;
 pub use registration::{Registration, Uvs};
-pub use session::Session;
+pub use session::{Correction, Loan, LoanMemory, Paths, Session, StepTime};
 pub use untangled_proto::{
     CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
     paths::{PathPoint, PathRecord, path_type},

@@ -1,5 +1,11 @@
 //! A session: one cloth, its states and its corrections.
 
+mod correction;
+mod link;
+mod loan;
+mod paths;
+mod reconnect;
+
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -11,15 +17,15 @@ use untangled_proto::{
 };
 
 use crate::{
-    connection::Connection,
-    correction::{Correction, CorrectionSample},
+    control::{Backoff, Connection, Pending},
     error::{ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError},
-    loan::{Loan, StepTime},
-    poll::Backoff,
-    reconnect::ReconnectingLink,
     registration::{Registration, settings_bytes},
-    request::Pending,
 };
+pub use correction::Correction;
+use correction::CorrectionSample;
+pub use loan::{Loan, LoanMemory, StepTime};
+pub use paths::Paths;
+use reconnect::ReconnectingLink;
 
 /// One cloth that the daemon knows.
 ///

@@ -15,13 +15,11 @@ use untangled_transport::{
     services::{self, CorrectionService, Ipc},
 };
 
+use super::paths::PathsPort;
 use crate::{
+    control::{Reply, SLICE, check_memory, commit_memory},
     error::RequestError,
-    memory::{check_memory, commit_memory},
-    paths::PathsPort,
-    poll::SLICE,
     registration::Registration,
-    request::Reply,
 };
 
 /// Publishes states, in the precision of the session.

@@ -7,12 +7,11 @@ use std::{
 
 use untangled_proto::{RequestKind, names};
 
+use super::link::Link;
 use crate::{
-    connection::{Connection, RETRY},
+    control::{Connection, Pending, RETRY, Reply},
     error::{PublishError, RegisterError, RequestError},
-    link::Link,
     registration::Registration,
-    request::{Pending, Reply},
 };
 
 /// A link that is registered again by the next call after a daemon went away.

@@ -4,10 +4,8 @@ use iceoryx2::sample::Sample;
 use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT};
 use untangled_transport::services::Ipc;
 
-use crate::{
-    error::FrameRefusal,
-    paths::{Paths, PathsSample},
-};
+use super::paths::{Paths, PathsSample};
+use crate::error::FrameRefusal;
 
 pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHeader>;
 

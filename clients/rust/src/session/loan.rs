@@ -6,7 +6,8 @@ use iceoryx2::{port::publisher::Publisher, prelude::ZeroCopySend, sample_mut::Sa
 use untangled_proto::{PositionF32, PositionF64, StateHeader};
 use untangled_transport::services::Ipc;
 
-use crate::{error::RequestError, link::StatePort};
+use super::link::StatePort;
+use crate::error::RequestError;
 
 /// When a state is from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

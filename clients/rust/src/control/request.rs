@@ -10,12 +10,12 @@ use iceoryx2::{
 use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names};
 use untangled_transport::services::Ipc;
 
-use crate::{
+use super::{
     connection::Connection,
-    error::RequestError,
     memory::{check_memory, commit_memory},
     poll::Backoff,
 };
+use crate::error::RequestError;
 
 /// A request that was sent. It has a port of its own, so that the memory of a large registration is freed after the
 /// reply.
