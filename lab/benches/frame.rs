@@ -61,7 +61,7 @@ fn analyse(criterion: &mut Criterion) {
                 group.bench_with_input(id, &frame, |bencher, frame| {
                     bencher.iter(|| {
                         if !keeps {
-                            analyser.forget();
+                            analyser.clear_cache();
                         }
                         analyser.analyse(&mesh, frame, &Settings::default(), &mut ()).paths.pairs.len()
                     });

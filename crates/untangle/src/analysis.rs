@@ -52,8 +52,9 @@ impl Analyser {
         &self.analysis
     }
 
-    /// Forgets the last frame, so that the next one is searched from nothing: for measuring, since answers never depend on what came before.
-    pub fn forget(&mut self) {
+    /// Clears what is cached from frame to frame, so that the next search is a cold one: for measuring, since answers never depend
+    /// on earlier frames.
+    pub fn clear_cache(&mut self) {
         self.intersector.forget();
     }
 

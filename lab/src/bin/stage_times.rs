@@ -87,7 +87,7 @@ fn row(mesh: &Mesh, state: &str, frame: &Frame) {
     let mut best = [Duration::MAX; 3];
     for _ in 0..5 {
         let mut watch = Stopwatch::default();
-        analyser.forget();
+        analyser.clear_cache();
         analyser.analyse(mesh, frame, &settings, &mut watch);
         for (best, stage) in best.iter_mut().zip(watch.stages) {
             *best = (*best).min(stage);
