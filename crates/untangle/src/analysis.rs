@@ -52,8 +52,8 @@ impl Analyser {
         &self.analysis
     }
 
-    /// Clears what is cached from frame to frame, so that the next search is a cold one: for measuring, since answers never depend
-    /// on earlier frames.
+    /// Clears what is cached from frame to frame, so that the next search is a cold one: for measuring, since answers
+    /// never depend on earlier frames.
     pub fn clear_cache(&mut self) {
         self.intersector.forget();
     }

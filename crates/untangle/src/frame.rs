@@ -33,9 +33,9 @@ pub enum FrameError {
 
 /// Positions of all vertices at one instant, `num_vertices x 3`, metres, finite.
 ///
-/// Coordinates in single precision are converted exactly. Magnitudes below 2^-250 are taken as zero and those over 2^250
-/// refused: in between, the determinants of [`predicates`](crate::predicates) neither under- nor overflow, and their signs are
-/// exact.
+/// Coordinates in single precision are converted exactly. Magnitudes below 2^-250 are taken as zero and those over
+/// 2^250 refused: in between, the determinants of [`predicates`](crate::predicates) neither under- nor overflow, and
+/// their signs are exact.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     positions: Vec<Point3<f64>>,

@@ -1,4 +1,5 @@
-//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that untangle it.
+//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that
+//! untangle it.
 //!
 //! The method is that of Wicke, Lanker and Gross, "Untangling Cloth With Boundaries" (2006), with exact signs.
 //!

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// All settings of one session. Lengths are in metres where the name says so, otherwise relative to the mean edge length `h` of
-/// the faces that a path runs through, so that the defaults fit cloth of any size.
+/// All settings of one session. Lengths are in metres where the name says so, otherwise relative to the mean edge
+/// length `h` of the faces that a path runs through, so that the defaults fit cloth of any size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -12,17 +12,18 @@ pub struct Settings {
     pub response: Response,
     /// Which of the two sides of a partitioning path is inside.
     pub inside: InsideChoice,
-    /// Whether layers, where the mesh has them, decide instead: a point of an outer layer is inside where it lies behind a face
-    /// of an inner layer; the faces of layers are oriented outwards.
+    /// Whether layers, where the mesh has them, decide instead: a point of an outer layer is inside where it lies
+    /// behind a face of an inner layer; the faces of layers are oriented outwards.
     pub layer_order: bool,
     /// Whether winding numbers decide instead on closed, oriented pieces.
     pub winding: bool,
     /// Whether a side that holds pinned vertices is outside, where the other side holds none.
     pub pinned_outside: bool,
-    /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per unit mass).
+    /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per
+    /// unit mass).
     pub stiffness_per_step2: f64,
-    /// Largest correction of a vertex in one step, in `h`: the `f_max` of the force law, per unit mass and step^2. Infinity is no
-    /// limit, and leaves out forces down the gradient of a path's length, which have no other size.
+    /// Largest correction of a vertex in one step, in `h`: the `f_max` of the force law, per unit mass and step^2.
+    /// Infinity is no limit, and leaves out forces down the gradient of a path's length, which have no other size.
     pub max_step_edge_lengths: f64,
     /// Thickness of the cloth in metres. Without it `h` stands in.
     pub thickness_m: Option<f64>,
@@ -32,13 +33,14 @@ pub struct Settings {
     pub max_centres: usize,
     /// Vertices in the k-ring of this width round the paths are flagged as near a path.
     pub path_rings: u32,
-    /// Time for a frame in microseconds, from when its positions are read. The library has no clock: its caller measures the time
-    /// and ends the frame through the observer of its stages, as the daemon does. Pairs of paths for which there is no time are
-    /// left out, the shortest first.
+    /// Time for a frame in microseconds, from when its positions are read. The library has no clock: its caller
+    /// measures the time and ends the frame through the observer of its stages, as the daemon does. Pairs of paths for
+    /// which there is no time are left out, the shortest first.
     pub deadline_us: Option<u64>,
 }
 
-/// A preset of settings, to start from: a point on the measured front of time against frames to clean, see `docs/TRADE.md`.
+/// A preset of settings, to start from: a point on the measured front of time against frames to clean, see
+/// `docs/TRADE.md`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quality {
@@ -47,16 +49,16 @@ pub enum Quality {
     /// The default settings.
     #[default]
     Balanced,
-    /// One displacement field for all paths together (`coupled`): clean in the fewest frames, for tens of times the time. Keeps
-    /// no momentum.
+    /// One displacement field for all paths together (`coupled`): clean in the fewest frames, for tens of times the
+    /// time. Keeps no momentum.
     Accurate,
 }
 
 impl Quality {
     /// Sets the settings that belong to the preset, and no others.
     pub fn apply(self, settings: &mut Settings) {
-        // Contour minimisation is no preset: it takes half the time of `fast`, and leaves scenes tangled. More centres than by
-        // default are no preset either: they take more time, and the targets get no more accurate.
+        // Contour minimisation is no preset: it takes half the time of `fast`, and leaves scenes tangled. More centres
+        // than by default are no preset either: they take more time, and the targets get no more accurate.
         let (response, max_centres) = match self {
             Self::Fast => (Response::Rbf, 10),
             Self::Balanced => (Response::Rbf, Settings::default().max_centres),
@@ -76,8 +78,8 @@ pub enum Response {
     Rbf,
     /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
     Contour,
-    /// Straight displacement to the targets, more than half of the way in one step: for repairs, not for simulations, since it
-    /// keeps no momentum. Paths without targets get forces.
+    /// Straight displacement to the targets, more than half of the way in one step: for repairs, not for simulations,
+    /// since it keeps no momentum. Paths without targets get forces.
     Displacement,
     /// One displacement field for all paths together that changes the shape of the cloth least: for repairs, like
     /// `displacement`. Keeps no momentum.
@@ -95,7 +97,8 @@ pub enum InsideChoice {
     Count,
     /// The side with the smaller area.
     Area,
-    /// The side that takes less work to bring back: the sum over its vertices of area times squared distance from the path.
+    /// The side that takes less work to bring back: the sum over its vertices of area times squared distance from the
+    /// path.
     Work,
 }
 

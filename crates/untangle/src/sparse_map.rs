@@ -4,8 +4,8 @@ use crate::mesh::MeshId;
 
 /// Values for some of the ids of a mesh, in a dense table whose entries carry the epoch in which they were written.
 ///
-/// Emptying the map begins a new epoch, which makes all older entries void; nothing is wiped. Ids are listed in the order in
-/// which they came.
+/// Emptying the map begins a new epoch, which makes all older entries void; nothing is wiped. Ids are listed in the
+/// order in which they came.
 ///
 /// Cost: a lookup is one access; memory is that of the whole mesh, taken once.
 #[derive(Clone, Debug)]

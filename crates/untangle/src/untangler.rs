@@ -13,8 +13,8 @@ use crate::{
     stage::{Stage, StageObserver},
 };
 
-/// Untangles frames of one mesh. It keeps memory and caches from frame to frame, but no history: the answer depends on the
-/// mesh, the frame and the settings alone.
+/// Untangles frames of one mesh. It keeps memory and caches from frame to frame, but no history: the answer depends on
+/// the mesh, the frame and the settings alone.
 #[derive(Debug)]
 pub struct Untangler {
     mesh: Arc<Mesh>,

@@ -2,8 +2,8 @@
 
 use super::{Csr, EdgeId, FaceId, MeshIdentity, PieceId, Uvs, VertexId};
 
-/// Validated connectivity of one or several pieces of cloth, and the data of its elements that no frame changes: texture
-/// coordinates, rest positions, masses, pins and layers.
+/// Validated connectivity of one or several pieces of cloth, and the data of its elements that no frame changes:
+/// texture coordinates, rest positions, masses, pins and layers.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(super) identity: MeshIdentity,
@@ -201,8 +201,8 @@ impl Mesh {
     }
 
     /// The texture coordinates of a vertex, if those of its piece are one smooth chart: all faces agree on their common
-    /// vertices, none is folded over a neighbour, and the piece shares no vertex with another one. Any unfolding of such
-    /// a piece gives the texture coordinates themselves.
+    /// vertices, none is folded over a neighbour, and the piece shares no vertex with another one. Any unfolding of
+    /// such a piece gives the texture coordinates themselves.
     #[must_use]
     pub fn chart_place(&self, vertex: VertexId) -> Option<[f64; 2]> {
         self.uv_places.get(vertex.index()).copied().flatten()

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-/// Equal for clones of one mesh, and different for any other, for as long as somebody holds it. A cache derived from a mesh
-/// keeps this to know whether it still belongs to the mesh that it is asked about.
+/// Equal for clones of one mesh, and different for any other, for as long as somebody holds it. A cache derived from a
+/// mesh keeps this to know whether it still belongs to the mesh that it is asked about.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshIdentity(Arc<u8>);
 

@@ -1,9 +1,9 @@
 //! Immutable connectivity of a cloth: validated once, unchanged from then on.
 //!
 //! A mesh holds no positions of a frame, so no rounding can corrupt connectivity; positions of one instant are a
-//! [`Frame`](crate::frame::Frame). Words: a *piece* is a connected component of faces joined by edges; a *boundary* edge
-//! has one face; an edge of more than two faces is *non-manifold*; a face with a repeated index is *ignored* by everything
-//! but the counts of the input.
+//! [`Frame`](crate::frame::Frame). Words: a *piece* is a connected component of faces joined by edges; a *boundary*
+//! edge has one face; an edge of more than two faces is *non-manifold*; a face with a repeated index is *ignored* by
+//! everything but the counts of the input.
 
 mod build;
 mod connectivity;

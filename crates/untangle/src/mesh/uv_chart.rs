@@ -2,8 +2,8 @@
 
 use super::{FaceId, Mesh};
 
-/// The texture coordinates of each vertex whose piece is one smooth chart; empty if there is no such piece. What makes a
-/// chart smooth is said at [`Mesh::chart_place`].
+/// The texture coordinates of each vertex whose piece is one smooth chart; empty if there is no such piece. What makes
+/// a chart smooth is said at [`Mesh::chart_place`].
 ///
 /// Cost: linear in the faces.
 pub(super) fn find_uv_places(mesh: &Mesh) -> Vec<Option<[f64; 2]>> {

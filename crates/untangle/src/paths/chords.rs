@@ -1,8 +1,8 @@
 //! Chords of a circle: which chains at a loop vertex may be joined.
 //!
-//! The branches at a vertex are places on a circle, seen from above the vertex. A chain that folds back there is a chord
-//! between its own two branches; two chains that are joined are two chords, from bounded to bounded and from free to free
-//! branch. A reading of the paths is possible only if no two chords cross.
+//! The branches at a vertex are places on a circle, seen from above the vertex. A chain that folds back there is a
+//! chord between its own two branches; two chains that are joined are two chords, from bounded to bounded and from free
+//! to free branch. A reading of the paths is possible only if no two chords cross.
 
 /// One of the two copies of a chain where it leaves a vertex.
 #[derive(Clone, Copy, Debug)]

@@ -142,8 +142,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A chain from a loop vertex to the boundary: one path that folds back at the vertex, or two paths where the vertex is on
-    /// the boundary.
+    /// A chain from a loop vertex to the boundary: one path that folds back at the vertex, or two paths where the
+    /// vertex is on the boundary.
     fn add_folded(&mut self, chain: usize, vertex: VertexId, end: BoundaryEnd) -> PairType {
         let half = |copy, reversed| HalfPath { chain, copy, reversed };
         let (bounded, free) = (end.bounded, 1 - end.bounded);

@@ -1,8 +1,8 @@
 //! Ends where two boundaries touch exactly: the only source of BLB and BB/BB, and of BB/BI without a loop vertex.
 //!
-//! Perturbed signs know no touching: on the perturbed input the boundary edge pierces the face just inside its boundary, or
-//! misses it. Here the unperturbed coordinates are compared, with exact arithmetic. The answer decides the type of a path only; it
-//! changes no intersection.
+//! Perturbed signs know no touching: on the perturbed input the boundary edge pierces the face just inside its
+//! boundary, or misses it. Here the unperturbed coordinates are compared, with exact arithmetic. The answer decides the
+//! type of a path only; it changes no intersection.
 
 use super::SurfacePoint;
 use crate::{
@@ -37,8 +37,8 @@ impl Contact {
             // The edge lies in the plane of the face: no single point to name.
             return None;
         }
-        // The line of the edge meets the plane in one point, inside the face or on its border. It is on the line of a side
-        // exactly where these two lines are coplanar.
+        // The line of the edge meets the plane in one point, inside the face or on its border. It is on the line of a
+        // side exactly where these two lines are coplanar.
         let sides = mesh.face_edges(crossing.face)?;
         let touched = sides.map(|side| {
             let [f, g] = mesh.edge(side);

@@ -1,7 +1,7 @@
 //! CROSS: two chains from the boundary that meet in one loop vertex, joined to a path that passes through it.
 //!
-//! Each chain leaves the vertex along two branches on the cloth, its copies: `A`, which ends on the boundary, and `B`, which
-//! ends inside. Joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws
+//! Each chain leaves the vertex along two branches on the cloth, its copies: `A`, which ends on the boundary, and `B`,
+//! which ends inside. Joining `A` with `A` and `B` with `B` of another chain, or leaving `A` folded back to `B`, draws
 //! [chords](super::chords) in the circle of branches round the vertex; chains are joined only where no chords cross.
 //!
 //! BLLB: two chains from different loop vertices that end on boundaries which touch exactly there.
@@ -75,8 +75,9 @@ impl Joiner {
         self.loop_chains.sort_unstable();
         let mut rest = std::mem::take(&mut self.loop_chains);
         for group in rest.chunk_by_mut(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
-            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change. Lengths
-            // that are exactly equal are told apart by where the paths end, which the order of faces can't change.
+            // Where several readings are possible the shortest paths are joined: a choice that no numbering can change.
+            // Lengths that are exactly equal are told apart by where the paths end, which the order of faces can't
+            // change.
             group.sort_unstable_by_key(|&(_, chain)| {
                 // Not negative, so that the bits are in the order of the values.
                 (view.length_m(chain).to_bits(), view.last_crossing(chain), chain)
@@ -87,7 +88,8 @@ impl Joiner {
         self.loop_chains = rest;
     }
 
-    /// Joins two of the remaining chains where they end on boundaries that touch: two vertices of one position, one on each.
+    /// Joins two of the remaining chains where they end on boundaries that touch: two vertices of one position, one on
+    /// each.
     fn join_touching(&mut self, view: &ChainView<'_>, loop_chains: &[(VertexId, usize)]) {
         self.boundary_ends.clear();
         for &(loop_vertex, chain) in loop_chains.iter().filter(|&&(_, chain)| self.joins[chain] == Join::Alone) {
@@ -120,7 +122,8 @@ impl Joiner {
         self.joins[chain]
     }
 
-    /// Joins the chains of one loop vertex, the shortest first, with each the first of the others that it can be joined with.
+    /// Joins the chains of one loop vertex, the shortest first, with each the first of the others that it can be joined
+    /// with.
     fn join_at(&mut self, view: &ChainView<'_>, vertex: VertexId, group: &[(VertexId, usize)]) {
         if !ordered_fan(view.mesh, vertex, &mut self.fan) || !self.sort_branches(view, vertex, group) {
             return;

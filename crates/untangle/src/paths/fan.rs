@@ -3,8 +3,8 @@
 use super::SurfacePoint;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
-/// Writes the faces round a vertex in order, each with the corner on the edge over which it is entered; false where they are
-/// not one fan.
+/// Writes the faces round a vertex in order, each with the corner on the edge over which it is entered; false where
+/// they are not one fan.
 pub(crate) fn ordered_fan(mesh: &Mesh, vertex: VertexId, fan: &mut Vec<(FaceId, VertexId)>) -> bool {
     fan.clear();
     let spokes = mesh.vertex_edges(vertex);
@@ -49,8 +49,8 @@ impl<'a> FanOrder<'a> {
         Self { fan, ranks }
     }
 
-    /// The direction in which a path leaves the vertex: the place of its face in the fan and the part of the way across this
-    /// face.
+    /// The direction in which a path leaves the vertex: the place of its face in the fan and the part of the way across
+    /// this face.
     ///
     /// `towards` is the first point of the path after the vertex; it lies in `face`.
     pub(crate) fn direction(

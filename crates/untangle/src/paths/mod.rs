@@ -1,10 +1,10 @@
 //! Intersection paths: segments joined, followed over both sheets, and classified by where they end.
 //!
 //! Glossary. An intersection path is what the literature also calls a contour (Baraff, Witkin and Kass 2003; Volino and
-//! Magnenat-Thalmann 2006). A *chain* is a connected run of segments in the world. Each point of it touches the cloth in two
-//! places, so it has two *copies*; each copy is the other's *corresponding path*. Where the two faces of a segment share a
-//! vertex, the *loop vertex*, both copies meet and a path folds back: path and corresponding path are then one. A [`PathPair`]
-//! is a pair as it is traced, a [`PathCopy`] one path after EIGHT, CROSS and BLLB are split.
+//! Magnenat-Thalmann 2006). A *chain* is a connected run of segments in the world. Each point of it touches the cloth
+//! in two places, so it has two *copies*; each copy is the other's *corresponding path*. Where the two faces of a
+//! segment share a vertex, the *loop vertex*, both copies meet and a path folds back: path and corresponding path are
+//! then one. A [`PathPair`] is a pair as it is traced, a [`PathCopy`] one path after EIGHT, CROSS and BLLB are split.
 
 mod chords;
 mod classify;
@@ -170,12 +170,13 @@ pub struct PathCopy {
     pub path_type: PathType,
     /// Whether it is a loop on the cloth.
     pub closed: bool,
-    /// Its points in [`IntersectionPaths::points`]: one more than segments; a closed path repeats its first point at the end.
+    /// Its points in [`IntersectionPaths::points`]: one more than segments; a closed path repeats its first point at
+    /// the end.
     pub points: Range<usize>,
     /// Its segments in [`IntersectionPaths::segments`].
     pub segments: Range<usize>,
-    /// Index of the corresponding path in [`IntersectionPaths::copies`]; its own index for LL, BLI, BLB, and for a closed path
-    /// that returns on the other sheet (non-orientable cloth).
+    /// Index of the corresponding path in [`IntersectionPaths::copies`]; its own index for LL, BLI, BLB, and for a
+    /// closed path that returns on the other sheet (non-orientable cloth).
     pub partner: usize,
     /// Index of the pair in [`IntersectionPaths::pairs`].
     pub pair: usize,
@@ -219,7 +220,8 @@ pub struct PathPair {
     pub length_m: f64,
     /// Loop vertices, in the order met.
     pub loop_vertices: ArrayVec<VertexId, 2>,
-    /// Ends of its chain in the world, in the order met, or the free ends of its two chains (CROSS, BLLB); none for a closed one.
+    /// Ends of its chain in the world, in the order met, or the free ends of its two chains (CROSS, BLLB); none for a
+    /// closed one.
     pub ends: ArrayVec<ChainEnd, 2>,
     /// Its paths after splitting, in [`IntersectionPaths::copies`].
     pub copies: Range<usize>,
@@ -239,8 +241,9 @@ pub struct IntersectionPaths {
 }
 
 impl IntersectionPaths {
-    /// World length from the start of a path to each of its points, in metres. Corresponding paths share their world positions,
-    /// so that it is the arclength of both; on a path that folds back at a loop vertex both directions count.
+    /// World length from the start of a path to each of its points, in metres. Corresponding paths share their world
+    /// positions, so that it is the arclength of both; on a path that folds back at a loop vertex both directions
+    /// count.
     pub fn arclengths_m(&self, copy: &PathCopy) -> impl Iterator<Item = f64> + '_ {
         let points = &self.points[copy.points.clone()];
         let mut length = 0.0;

@@ -1,9 +1,9 @@
 //! From segments to chains, with both sheets followed along the chain.
 //!
-//! An edge-face intersection `(e, T)` joins the segments `{F, T}` of all faces `F` of `e`: two inside of a sheet, one where `e`
-//! is on the boundary, and more at a non-manifold edge, where chains are split. The copy that lies in `T` stays in `T`; the other
-//! crosses `e`. A loop vertex ends each of its segments separately, so that chains are never ambiguous, however many meet in one
-//! vertex.
+//! An edge-face intersection `(e, T)` joins the segments `{F, T}` of all faces `F` of `e`: two inside of a sheet, one
+//! where `e` is on the boundary, and more at a non-manifold edge, where chains are split. The copy that lies in `T`
+//! stays in `T`; the other crosses `e`. A loop vertex ends each of its segments separately, so that chains are never
+//! ambiguous, however many meet in one vertex.
 
 use std::ops::Range;
 

@@ -95,8 +95,8 @@ impl ChainView<'_> {
         }
     }
 
-    /// The place of a copy on the cloth at a node: the copy that runs through the pierced face is inside of it, the other one
-    /// on the edge. Where boundaries touch exactly, both are on an edge or in a vertex.
+    /// The place of a copy on the cloth at a node: the copy that runs through the pierced face is inside of it, the
+    /// other one on the edge. Where boundaries touch exactly, both are on an edge or in a vertex.
     pub(crate) fn surface_point(&self, chain: usize, copy: usize, place: usize) -> SurfacePoint {
         match self.node(chain, place) {
             SegmentEnd::LoopVertex(vertex) => SurfacePoint::Vertex(vertex),

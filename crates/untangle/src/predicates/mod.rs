@@ -1,13 +1,13 @@
 //! Exact signs on one consistently perturbed input: the only home of geometric decisions.
 //!
-//! Simulation of simplicity (Edelsbrunner and Mücke 1990): every vertex is moved, symbolically, by an infinitesimal amount that
-//! depends on its index alone. On the moved input no four points lie in a plane, so that a sign is never zero, and all signs
-//! together belong to *one* input: whatever is derived from them is consistent. The sign of the unmoved determinant is found by
-//! adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly zero, the sign of the first coefficient of
-//! the perturbation that does not vanish decides.
+//! Simulation of simplicity (Edelsbrunner and Mücke 1990): every vertex is moved, symbolically, by an infinitesimal
+//! amount that depends on its index alone. On the moved input no four points lie in a plane, so that a sign is never
+//! zero, and all signs together belong to *one* input: whatever is derived from them is consistent. The sign of the
+//! unmoved determinant is found by adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly
+//! zero, the sign of the first coefficient of the perturbation that does not vanish decides.
 //!
-//! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates in the
-//! range where that holds.
+//! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates
+//! in the range where that holds.
 
 mod orientation;
 mod perturbation;
@@ -21,7 +21,8 @@ pub(crate) use plane::Plane;
 /// On which side of an oriented plane a point lies. There is no third answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// Where the plane's vertices, seen from the point, run clockwise: a positive volume of (a, b, c, d), right-hand rule.
+    /// Where the plane's vertices, seen from the point, run clockwise: a positive volume of (a, b, c, d), right-hand
+    /// rule.
     Above,
     /// The other side.
     Below,

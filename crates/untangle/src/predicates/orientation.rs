@@ -4,8 +4,8 @@ use robust::Coord3D;
 
 use super::{Side, Site, perturbation::perturbed_side};
 
-/// The side of the plane through `a`, `b`, `c` on which `d` lies: the sign of `(b - a) x (c - a) . (d - a)` on the perturbed
-/// input.
+/// The side of the plane through `a`, `b`, `c` on which `d` lies: the sign of `(b - a) x (c - a) . (d - a)` on the
+/// perturbed input.
 ///
 /// Cost: one filtered determinant nearly always; exact expansions near zero; up to fourteen minors at exactly zero.
 ///

@@ -4,7 +4,8 @@ use robust::Coord;
 
 use super::{Side, Site};
 
-/// The side of the plane through the first three sites on which the fourth lies, where their determinant is exactly zero.
+/// The side of the plane through the first three sites on which the fourth lies, where their determinant is exactly
+/// zero.
 pub(super) fn perturbed_side(mut sites: [Site; 4]) -> Side {
     let odd = sort_by_index(&mut sites);
     debug_assert!(sites.windows(2).all(|pair| pair[0].index < pair[1].index), "two sites share an index");
@@ -32,9 +33,10 @@ fn sort_by_index(sites: &mut [Site; 4]) -> bool {
 
 /// One coefficient of the perturbed determinant.
 ///
-/// The determinant has the rows `(x, y, z, 1)` of the four sites, sorted by index. Site `i` moves by `e(i, j)` in coordinate
-/// `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each larger than any product of those after it. The
-/// coefficient of a product of such terms is, up to its sign, the determinant without the rows and columns of the factors.
+/// The determinant has the rows `(x, y, z, 1)` of the four sites, sorted by index. Site `i` moves by `e(i, j)` in
+/// coordinate `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each larger than any product of those after
+/// it. The coefficient of a product of such terms is, up to its sign, the determinant without the rows and columns of
+/// the factors.
 struct Minor {
     /// Rows (sites) that stay.
     rows: &'static [usize],

@@ -2,8 +2,8 @@
 
 use super::{Side, Site, side_of_plane};
 
-/// Forward error bound of the determinant below, relative to the sum of the magnitudes of its terms (Shewchuk 1997, the first
-/// bound of Orient3D): its operations are the same, with the roles of the four points changed.
+/// Forward error bound of the determinant below, relative to the sum of the magnitudes of its terms (Shewchuk 1997, the
+/// first bound of Orient3D): its operations are the same, with the roles of the four points changed.
 const ROUNDING: f64 = (7.0 + 56.0 * UNIT) * UNIT;
 /// Rounding unit, 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
@@ -32,7 +32,8 @@ impl Plane {
         }
     }
 
-    /// The side on which a site lies: the answer of [`side_of_plane`], in double precision where its error bound allows.
+    /// The side on which a site lies: the answer of [`side_of_plane`], in double precision where its error bound
+    /// allows.
     #[inline]
     pub(crate) fn side_of(&self, site: Site) -> Side {
         let away = minus(site.position, self.sites[0].position);

@@ -15,8 +15,8 @@ fn side_of_plane_follows_the_right_hand_rule() {
     assert_eq!(side_of_plane(a, b, c, site(3, 0., 0., -1.)), Side::Below);
 }
 
-/// The side after a symbolic move: numbers are polynomials in one infinitesimal, maps from exponents to integers, and the sign
-/// is that of the term with the lowest exponent. Shares no code with the table of minors.
+/// The side after a symbolic move: numbers are polynomials in one infinitesimal, maps from exponents to integers, and
+/// the sign is that of the term with the lowest exponent. Shares no code with the table of minors.
 fn moved_side(sites: &[Site; 4]) -> Side {
     use std::collections::BTreeMap;
     type Poly = BTreeMap<u32, i128>;

@@ -8,8 +8,8 @@ use crate::{
     paths::PathSegment,
 };
 
-/// The mean, over the length of a pair of paths, of the dot product of two unit vectors: on each of both sheets the one that
-/// lies in the sheet at right angles to the path and points into the inside.
+/// The mean, over the length of a pair of paths, of the dot product of two unit vectors: on each of both sheets the one
+/// that lies in the sheet at right angles to the path and points into the inside.
 ///
 /// It is 1 where the sheets lie upon each other with the insides on the same side, -1 where the insides are on opposite
 /// sides, 0 where the sheets cross at a right angle or where one of them has no inside.

@@ -21,8 +21,8 @@ pub(crate) struct BoundaryDetours {
 }
 
 impl BoundaryDetours {
-    /// Whether each of two corresponding paths of one piece joins two different boundaries of it, from end to end or with a
-    /// short detour at its ends. Such a path never separates its piece by itself.
+    /// Whether each of two corresponding paths of one piece joins two different boundaries of it, from end to end or
+    /// with a short detour at its ends. Such a path never separates its piece by itself.
     ///
     /// Cost: the length of a boundary.
     pub(crate) fn join_two_boundaries(&mut self, view: &FrameView<'_>, copies: [usize; 2]) -> bool {
@@ -48,7 +48,8 @@ impl BoundaryDetours {
         self.crossed[index].iter().copied()
     }
 
-    /// The boundary edge at an end of a path, or the nearest one by a breadth-first search over at most `longest` faces.
+    /// The boundary edge at an end of a path, or the nearest one by a breadth-first search over at most `longest`
+    /// faces.
     fn nearest_boundary_edge(
         &mut self,
         mesh: &Mesh,

@@ -1,19 +1,19 @@
 //! The disc round a loop vertex: the surroundings of a BLI path unfolded (developed) into the plane.
 //!
-//! Where the texture coordinates of a piece are one smooth chart, they are the unfolding: the coordinates of a vertex tell
-//! whether it is in the disc, no face is unfolded, and the flood fill visits only the vertices that it needs.
+//! Where the texture coordinates of a piece are one smooth chart, they are the unfolding: the coordinates of a vertex
+//! tell whether it is in the disc, no face is unfolded, and the flood fill visits only the vertices that it needs.
 //!
-//! Otherwise faces are unfolded one by one, the nearest first, each beside a neighbour that is in the plane already, over
-//! their common edge: by their texture coordinates where the mesh has them, or else by their rest lengths. The unfolding
-//! continues across seams of the texture. The radius is known only when the unfolding reaches the nearer end of the path, so
-//! the whole disc is unfolded.
+//! Otherwise faces are unfolded one by one, the nearest first, each beside a neighbour that is in the plane already,
+//! over their common edge: by their texture coordinates where the mesh has them, or else by their rest lengths. The
+//! unfolding continues across seams of the texture. The radius is known only when the unfolding reaches the nearer end
+//! of the path, so the whole disc is unfolded.
 //!
-//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads round
-//! an end: a free end needs no extension to the rim to keep the sides apart.
+//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads
+//! round an end: a free end needs no extension to the rim to keep the sides apart.
 //!
-//! Each face keeps the similarity that placed it, and its neighbours continue from that: so errors add up from face to face.
-//! To place each corner by the two that are already there would multiply them. Lengths decide which face comes first, so that
-//! no numbering changes the disc.
+//! Each face keeps the similarity that placed it, and its neighbours continue from that: so errors add up from face to
+//! face. To place each corner by the two that are already there would multiply them. Lengths decide which face comes
+//! first, so that no numbering changes the disc.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -41,8 +41,8 @@ struct QueuedFace {
 
 impl Ord for QueuedFace {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Reversed, since the heap gives the greatest: the nearest first. Lengths tell edges apart, and an edge has one face
-        // that is not unfolded; the other keys are for edges of many faces and exact symmetry.
+        // Reversed, since the heap gives the greatest: the nearest first. Lengths tell edges apart, and an edge has one
+        // face that is not unfolded; the other keys are for edges of many faces and exact symmetry.
         let [near, far] = [0, 1].map(|end: usize| other.distances[end].total_cmp(&self.distances[end]));
         let (this, that) = (&self, other);
         near.then(far).then(that.from.cmp(&this.from)).then(that.apex.cmp(&this.apex)).then(that.face.cmp(&this.face))
@@ -77,11 +77,11 @@ pub(crate) struct Disc {
 }
 
 impl Disc {
-    /// Makes the disc round `centre` that reaches to the nearer one of two path ends; `around` are the faces in which the
-    /// path passes through the centre.
+    /// Makes the disc round `centre` that reaches to the nearer one of two path ends; `around` are the faces in which
+    /// the path passes through the centre.
     ///
-    /// Returns the radius; nothing if neither end can be reached over edges. Cost: constant in a smooth chart, otherwise
-    /// O(n log n) in the faces of the disc.
+    /// Returns the radius; nothing if neither end can be reached over edges. Cost: constant in a smooth chart,
+    /// otherwise O(n log n) in the faces of the disc.
     pub(crate) fn build(
         &mut self,
         mesh: &Mesh,
@@ -100,7 +100,8 @@ impl Disc {
         radius
     }
 
-    /// Unfolds the surroundings of `centre` until they hold the nearer one of two path ends; returns the distance to it.
+    /// Unfolds the surroundings of `centre` until they hold the nearer one of two path ends; returns the distance to
+    /// it.
     fn unfold(
         &mut self,
         mesh: &Mesh,
@@ -115,8 +116,8 @@ impl Disc {
         self.places.set(centre, Vector2::zeros());
         let face = first_face(mesh, frame, centre)?;
         self.queue.push(QueuedFace { distances: [0.0; 2], apex: centre, face, from: None });
-        // Where the faces round the centre are not one fan, those of the path belong to the disc too; where they are, all its
-        // faces come earlier.
+        // Where the faces round the centre are not one fan, those of the path belong to the disc too; where they are,
+        // all its faces come earlier.
         let later = [0.0, f64::INFINITY];
         self.queue.extend(around.map(|face| QueuedFace { distances: later, apex: centre, face, from: None }));
         let mut radius = None;
@@ -166,8 +167,8 @@ impl Disc {
         })
     }
 
-    /// Places the corners of a face that are not placed yet, and queues its neighbours. `from` is the neighbour that is in the
-    /// plane already and the common edge; without it the face has a corner in the centre.
+    /// Places the corners of a face that are not placed yet, and queues its neighbours. `from` is the neighbour that is
+    /// in the plane already and the common edge; without it the face has a corner in the centre.
     fn unfold_face(
         &mut self,
         mesh: &Mesh,
@@ -249,7 +250,8 @@ fn first_face(mesh: &Mesh, frame: &Frame, centre: VertexId) -> Option<FaceId> {
     mesh.vertex_faces(centre).iter().copied().min_by(shorter)
 }
 
-/// A face in a plane of its own: its texture coordinates where they have an area, or else a triangle of its rest lengths.
+/// A face in a plane of its own: its texture coordinates where they have an area, or else a triangle of its rest
+/// lengths.
 fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>; 3] {
     if let Some(uvs) = mesh.uvs() {
         let [a, b, c] = uvs.corners[face.index()].map(|corner| Vector2::from(uvs.coordinates[corner as usize]));
@@ -271,7 +273,8 @@ fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>;
     local
 }
 
-/// A triangle laid into the plane: its first corner in the origin, its second on the axis of x, its third at or above it.
+/// A triangle laid into the plane: its first corner in the origin, its second on the axis of x, its third at or above
+/// it.
 fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Vector2<f64>; 3] {
     let (along, to_c) = (b - a, c - a);
     let length = along.norm();

@@ -30,7 +30,8 @@ pub struct RegionFinder {
 }
 
 impl RegionFinder {
-    /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is up.
+    /// Finds the inside regions of all paths of a frame, the longest pairs first, until the observer says that time is
+    /// up.
     ///
     /// Cost: for each path linear in its segments and in the size of its smaller side; for BLI and BLB where texture
     /// coordinates are no smooth chart, O(n log n) in the faces of the disc.
@@ -67,9 +68,9 @@ impl RegionFinder {
         }
     }
 
-    /// Finds the region between two corresponding paths of which neither separates alone, but both together do: two paths that
-    /// join both boundaries of a tube. An end a little way inside of a boundary, where the boundary of the other sheet pierces
-    /// the cloth, counts as one on the boundary.
+    /// Finds the region between two corresponding paths of which neither separates alone, but both together do: two
+    /// paths that join both boundaries of a tube. An end a little way inside of a boundary, where the boundary of the
+    /// other sheet pierces the cloth, counts as one on the boundary.
     fn partition_jointly(&mut self, view: &FrameView<'_>, second: usize, regions: &mut InsideRegions) {
         let first = view.paths.copies[second].partner;
         if first >= second || view.paths.copies[second].closed {
@@ -95,9 +96,9 @@ impl RegionFinder {
         }
     }
 
-    /// Makes the insides of two closed paths agree: where their sheets run side by side rather than across each other, the
-    /// insides have to lie on the same side, of two tubes that run into each other both upper ends, or both lower ones. Where
-    /// the smaller sides say otherwise, the smallest pair of sides that agrees is taken.
+    /// Makes the insides of two closed paths agree: where their sheets run side by side rather than across each other,
+    /// the insides have to lie on the same side, of two tubes that run into each other both upper ends, or both lower
+    /// ones. Where the smaller sides say otherwise, the smallest pair of sides that agrees is taken.
     fn make_insides_agree(&mut self, view: &FrameView<'_>, second: usize, regions: &mut InsideRegions) {
         let first = view.paths.copies[second].partner;
         // The paper's rule, by count, stays as the paper has it; winding numbers, where switched on, decide better.
@@ -162,7 +163,8 @@ impl RegionFinder {
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
-    /// Notes in the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path separates.
+    /// Notes in the fill which edges a path crosses. The boundary edge in which it ends counts: without it no BB path
+    /// separates.
     fn cross_edges(&mut self, paths: &IntersectionPaths, copy: &PathCopy) {
         let points = &paths.points[copy.points.clone()];
         // A closed path repeats its first point at the end.
@@ -177,7 +179,8 @@ impl RegionFinder {
     }
 }
 
-/// Fills both sides of the path whose crossings `flood` holds, and keeps the inside or, with `opposite`, the other side.
+/// Fills both sides of the path whose crossings `flood` holds, and keeps the inside or, with `opposite`, the other
+/// side.
 fn fill_inside(
     flood: &mut Flood,
     view: &FrameView<'_>,

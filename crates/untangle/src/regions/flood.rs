@@ -1,9 +1,11 @@
-//! Parallel flood fill: colours the vertices on both sides of a path at once and stops as soon as the smaller side is complete.
+//! Parallel flood fill: colours the vertices on both sides of a path at once and stops as soon as the smaller side is
+//! complete.
 //!
-//! Two vertices joined by an edge that the path crosses an odd number of times lie on different sides, all other neighbours on
-//! the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has been seen; then that
-//! side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist anywhere: the path separates,
-//! although most of the larger side was never visited. The cost grows with the smaller side.
+//! Two vertices joined by an edge that the path crosses an odd number of times lie on different sides, all other
+//! neighbours on the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has
+//! been seen; then that side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist
+//! anywhere: the path separates, although most of the larger side was never visited. The cost grows with the smaller
+//! side.
 
 use std::collections::VecDeque;
 
@@ -29,8 +31,8 @@ pub(crate) struct FillRules<'a> {
     pub(crate) weight: &'a dyn Fn(VertexId) -> f64,
     /// Weights that decide where both sums are exactly the same.
     pub(crate) tie_weight: &'a dyn Fn(VertexId) -> f64,
-    /// The end of a crossed edge to the left of the path, if that is known: it tells the sides apart on parts of the path that
-    /// no way inside the allowed vertices connects.
+    /// The end of a crossed edge to the left of the path, if that is known: it tells the sides apart on parts of the
+    /// path that no way inside the allowed vertices connects.
     pub(crate) left: &'a dyn Fn(EdgeId) -> Option<VertexId>,
 }
 
@@ -109,7 +111,8 @@ impl Flood {
         !self.removed.contains(vertex) && (rules.allowed)(vertex)
     }
 
-    /// Fills from the first edge, on whose ends both sides begin, until one side is closed or a vertex would be on both.
+    /// Fills from the first edge, on whose ends both sides begin, until one side is closed or a vertex would be on
+    /// both.
     fn fill_from(&mut self, mesh: &Mesh, rules: &FillRules<'_>, odd_edges: &[EdgeId]) -> Partition {
         let Some(&seed) = odd_edges.first() else {
             // No edge separates anything: a region without vertices.
@@ -150,8 +153,8 @@ impl Flood {
         self.push_weighed(rules, 1 - first_side, second);
     }
 
-    /// Colours the neighbours of a vertex. Returns the number of crossed edges seen for the first time; nothing if a neighbour
-    /// would be on both sides.
+    /// Colours the neighbours of a vertex. Returns the number of crossed edges seen for the first time; nothing if a
+    /// neighbour would be on both sides.
     fn visit(&mut self, mesh: &Mesh, rules: &FillRules<'_>, side: usize, vertex: VertexId) -> Option<usize> {
         let mut num_seen = 0;
         for &edge in mesh.vertex_edges(vertex) {
@@ -177,8 +180,8 @@ impl Flood {
         self.crossings.get(edge).is_some_and(|crossing| crossing.is_seen)
     }
 
-    /// Continues until the other side is complete too. To be called only after a fill that separated: from then on no vertex
-    /// can come to be on both sides.
+    /// Continues until the other side is complete too. To be called only after a fill that separated: from then on no
+    /// vertex can come to be on both sides.
     pub(crate) fn complete(&mut self, mesh: &Mesh, rules: &FillRules<'_>) {
         for side in 0..2 {
             while let Some(vertex) = self.queues[side].pop_front() {

@@ -1,9 +1,9 @@
 //! Which end of a crossed edge lies to the left of a path, from the order of the corners of faces alone.
 //!
-//! A face whose corners run counter-clockwise lies to the left of each of its directed edges. A path that leaves the face
-//! over an edge from `a` to `b` has `b` on its left, one that enters it there has `a`. Faces may disagree on which sense of
-//! rotation is counter-clockwise; the path carries one sense along, from face to face over its edges and round its loop
-//! vertex over the edges of that vertex.
+//! A face whose corners run counter-clockwise lies to the left of each of its directed edges. A path that leaves the
+//! face over an edge from `a` to `b` has `b` on its left, one that enters it there has `a`. Faces may disagree on which
+//! sense of rotation is counter-clockwise; the path carries one sense along, from face to face over its edges and round
+//! its loop vertex over the edges of that vertex.
 
 use crate::{
     mesh::{EdgeId, FaceId, Mesh, VertexId},
@@ -54,13 +54,14 @@ fn runs_upwards(mesh: &Mesh, face: FaceId, edge: EdgeId) -> bool {
     (0..3).any(|corner| corners[corner] == low && corners[(corner + 1) % 3] == high)
 }
 
-/// Whether two faces run along their common edge in the same direction, so that one runs clockwise if the other does not.
+/// Whether two faces run along their common edge in the same direction, so that one runs clockwise if the other does
+/// not.
 fn runs_alike(mesh: &Mesh, a: FaceId, b: FaceId, edge: EdgeId) -> bool {
     runs_upwards(mesh, a, edge) == runs_upwards(mesh, b, edge)
 }
 
-/// Whether two faces at a vertex disagree in their sense of rotation, told by the faces between them. On one fan at least one
-/// way round the vertex leads from face to face, and where two do, both give the same answer.
+/// Whether two faces at a vertex disagree in their sense of rotation, told by the faces between them. On one fan at
+/// least one way round the vertex leads from face to face, and where two do, both give the same answer.
 fn turns_round(mesh: &Mesh, vertex: VertexId, from: FaceId, to: FaceId) -> bool {
     let num_faces = mesh.vertex_faces(vertex).len();
     let spokes = |face: FaceId| {
@@ -108,7 +109,8 @@ mod tests {
             let mesh = hexagon(flipped);
             let edge = |a, b| mesh.edge_between(VertexId(a), VertexId(b)).unwrap();
             let at = |a, b| on(SurfacePoint::Edge { edge: edge(a, b), parameter: 0.5 });
-            // In over the rim, on over a spoke, through the middle, out over the rim opposite; corners run counter-clockwise.
+            // In over the rim, on over a spoke, through the middle, out over the rim opposite; corners run
+            // counter-clockwise.
             let points = [at(1, 2), at(0, 2), on(SurfacePoint::Vertex(VertexId(0))), at(5, 6)];
             let segments = [0, 1, 4].map(|face| PathSegment { own: FaceId(face), partner: FaceId(face) });
             let mut left = Vec::new();

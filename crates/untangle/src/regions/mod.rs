@@ -21,21 +21,21 @@ pub use finder::RegionFinder;
 pub struct InsideRegion {
     /// Whether the path divides its piece (or, for BLI, its disc) in two.
     pub partitioning: bool,
-    /// Its vertices in [`InsideRegions::vertices`], ascending, without loop vertices. Empty where nothing separates, no vertex
-    /// lies inside, or the other path of the pair carries the region of both.
+    /// Its vertices in [`InsideRegions::vertices`], ascending, without loop vertices. Empty where nothing separates, no
+    /// vertex lies inside, or the other path of the pair carries the region of both.
     pub vertices: Range<usize>,
     /// Whether only both paths of the pair together divide the piece: the first then carries the vertices of both.
     pub joint: bool,
-    /// Radius of the disc round the loop vertex (BLI, BLB), in the unit of the texture coordinates, or in metres where rest
-    /// lengths stand in for them.
+    /// Radius of the disc round the loop vertex (BLI, BLB), in the unit of the texture coordinates, or in metres where
+    /// rest lengths stand in for them.
     pub disc_radius: Option<f64>,
 }
 
 /// The inside regions of all paths of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct InsideRegions {
-    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and BI,
-    /// which have one only jointly with their corresponding path.
+    /// For each entry of [`IntersectionPaths::copies`](crate::paths::IntersectionPaths) its region; nothing for II and
+    /// BI, which have one only jointly with their corresponding path.
     pub by_copy: Vec<Option<InsideRegion>>,
     /// Vertices of all regions.
     pub vertices: Vec<VertexId>,
@@ -68,7 +68,8 @@ impl InsideRegions {
     }
 }
 
-/// Whether another pair of paths begins at a place of the order of work: a frame that runs out of time ends between pairs.
+/// Whether another pair of paths begins at a place of the order of work: a frame that runs out of time ends between
+/// pairs.
 pub(crate) fn starts_pair(paths: &IntersectionPaths, order: &[usize], place: usize) -> bool {
     place == 0 || paths.copies[order[place - 1]].pair != paths.copies[order[place]].pair
 }

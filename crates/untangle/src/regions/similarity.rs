@@ -27,9 +27,9 @@ impl Similarity {
         self.shift + complex_product(self.turn, conjugate_if(self.mirrored, z))
     }
 
-    /// The map of a neighbouring triangle: `before` and `after` are the ends of the common edge and the third corner, in the
-    /// plane of the triangle that this map places and in that of the neighbour. The neighbour comes to lie on the other side
-    /// of the edge.
+    /// The map of a neighbouring triangle: `before` and `after` are the ends of the common edge and the third corner,
+    /// in the plane of the triangle that this map places and in that of the neighbour. The neighbour comes to lie on
+    /// the other side of the edge.
     pub(crate) fn continued(&self, before: [Vector2<f64>; 3], after: [Vector2<f64>; 3]) -> Self {
         let is_left = |[a, b, c]: [Vector2<f64>; 3]| (b - a).perp(&(c - a)) > 0.0;
         let flip = is_left(before) == is_left(after);

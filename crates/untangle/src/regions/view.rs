@@ -30,7 +30,8 @@ impl<'a> FrameView<'a> {
     /// A third of the area of the faces round a vertex, in square metres.
     ///
     /// Half of each face is added with either of its two edges at the vertex, edge by edge. Edges are numbered by their
-    /// vertices and a sum of two numbers has one value, so the order of the faces changes no bit and exact ties stay ties.
+    /// vertices and a sum of two numbers has one value, so the order of the faces changes no bit and exact ties stay
+    /// ties.
     pub(crate) fn vertex_area(&self, vertex: VertexId) -> f64 {
         let area = |face: &FaceId| {
             let mut corners = self.mesh.face(*face);

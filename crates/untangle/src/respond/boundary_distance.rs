@@ -8,8 +8,9 @@ use crate::{
     sparse_map::SparseMap,
 };
 
-/// Distances along the surface from all boundaries of a mesh, by fast marching (Kimmel and Sethian 1998). The front stops at
-/// the distance asked for and continues from there when a larger one is asked for: all paths of a frame share it.
+/// Distances along the surface from all boundaries of a mesh, by fast marching (Kimmel and Sethian 1998). The front
+/// stops at the distance asked for and continues from there when a larger one is asked for: all paths of a frame share
+/// it.
 #[derive(Debug, Default)]
 pub(crate) struct BoundaryDistance {
     arrivals: SparseMap<VertexId, Arrival>,
@@ -62,8 +63,8 @@ impl BoundaryDistance {
     /// The distance of a vertex from the nearest boundary along the surface, in metres; nothing where it is more than
     /// `farthest_m`.
     ///
-    /// Cost: over all calls for one frame O(n log n) in the vertices that are no farther from a boundary than the farthest one
-    /// asked for; with the first, linear in the vertices of the mesh.
+    /// Cost: over all calls for one frame O(n log n) in the vertices that are no farther from a boundary than the
+    /// farthest one asked for; with the first, linear in the vertices of the mesh.
     pub(crate) fn distance_m(&mut self, mesh: &Mesh, frame: &Frame, vertex: VertexId, farthest_m: f64) -> Option<f64> {
         if !self.is_started {
             self.start(mesh);
@@ -114,8 +115,8 @@ impl BoundaryDistance {
         }
     }
 
-    /// The distance of a vertex through the triangle with two others: that of a straight front where it enters between them,
-    /// or else that along a side.
+    /// The distance of a vertex through the triangle with two others: that of a straight front where it enters between
+    /// them, or else that along a side.
     fn update(&self, mesh: &Mesh, frame: &Frame, target: VertexId, others: [VertexId; 2]) -> f64 {
         let known = others.map(|vertex| match self.arrival(vertex) {
             Arrival { distance_m, is_final: true } => distance_m,
@@ -130,7 +131,8 @@ impl BoundaryDistance {
         if known.iter().all(|&distance| distance <= 0.0) && !is_boundary_edge(mesh, others) {
             return along_sides;
         }
-        // The front is the plane wave with slope 1 through both values: |Q^-1 (values - d)| = 1 in the frame of the two sides.
+        // The front is the plane wave with slope 1 through both values: |Q^-1 (values - d)| = 1 in the frame of the two
+        // sides.
         let (aa, ab, bb) = (sides[0].norm_squared(), sides[0].dot(&sides[1]), sides[1].norm_squared());
         let determinant = aa * bb - ab * ab;
         if determinant <= 1e-12 * aa * bb {

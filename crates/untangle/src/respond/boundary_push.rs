@@ -1,9 +1,9 @@
 //! BI paths: a force that pushes the intersection over the nearest boundary.
 //!
-//! Section 5.1, equations 5 to 7, of Wicke, Lanker and Gross (2006), with these differences: the distance to the boundary is
-//! measured along the surface in its present lengths, so that its gradient is a direction of the world at once; the magnitude
-//! is the `min` law with the offset; and the force acts on the path itself, spread over the corners of its faces, against its
-//! opposite in the same place of the other sheet, so that angular momentum is kept too.
+//! Section 5.1, equations 5 to 7, of Wicke, Lanker and Gross (2006), with these differences: the distance to the
+//! boundary is measured along the surface in its present lengths, so that its gradient is a direction of the world at
+//! once; the magnitude is the `min` law with the offset; and the force acts on the path itself, spread over the corners
+//! of its faces, against its opposite in the same place of the other sheet, so that angular momentum is kept too.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -15,8 +15,8 @@ use crate::{
     paths::{PathPoint, PathSegment, Sheet},
 };
 
-/// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two boundaries
-/// are equally far.
+/// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two
+/// boundaries are equally far.
 const CANCELLED: f64 = 0.3;
 
 /// Finds the directions over the boundary, reusing its memory.
@@ -43,9 +43,9 @@ impl BoundaryPush {
         self.distance.reset();
     }
 
-    /// Writes for each segment the displacement of one step, in metres, towards the boundary of `sheet`: the mean over the
-    /// path, taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in metres;
-    /// nothing, and zeros, where no boundary is near or the directions cancel.
+    /// Writes for each segment the displacement of one step, in metres, towards the boundary of `sheet`: the mean over
+    /// the path, taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in
+    /// metres; nothing, and zeros, where no boundary is near or the directions cancel.
     ///
     /// Cost: linear in the path, and over all paths of a frame that of one [`BoundaryDistance`].
     pub(crate) fn steps(&mut self, path: &PushedPath<'_>, sheet: Sheet, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {

@@ -1,10 +1,10 @@
-//! Contour minimisation: forces down the gradient of the length of a path, after Volino and Magnenat-Thalmann (2006), here
-//! with the exact gradient.
+//! Contour minimisation: forces down the gradient of the length of a path, after Volino and Magnenat-Thalmann (2006),
+//! here with the exact gradient.
 //!
-//! At an edge-face intersection `P = (1-t) x0 + t x1 = sum beta_k y_k`, with the unit direction `E` of the edge, the normal
-//! `N` of the face, the sum `R` of the unit directions in which the path leaves `P`, and `c = (E.R) / (E.N)`, the length
-//! changes by `-(1-t)(R - cN)` for `x0`, `-t(R - cN)` for `x1`, `-beta_k c N` for `y_k`; in a loop vertex by `-R`. All forces
-//! at `P` sum up to `-R`, whatever `c` is, so that momenta are kept also where `c` is regularised.
+//! At an edge-face intersection `P = (1-t) x0 + t x1 = sum beta_k y_k`, with the unit direction `E` of the edge, the
+//! normal `N` of the face, the sum `R` of the unit directions in which the path leaves `P`, and `c = (E.R) / (E.N)`,
+//! the length changes by `-(1-t)(R - cN)` for `x0`, `-t(R - cN)` for `x1`, `-beta_k c N` for `y_k`; in a loop vertex by
+//! `-R`. All forces at `P` sum up to `-R`, whatever `c` is, so that momenta are kept also where `c` is regularised.
 
 use nalgebra::Vector3;
 
@@ -17,8 +17,8 @@ use crate::{
 /// Regularises `c` where an edge is nearly parallel to the face that it pierces: `c = (E.R)(E.N) / ((E.N)^2 + GUARD)`.
 pub(crate) const GUARD: f64 = 0.04;
 
-/// Calls `add` with vertices and the gradient, with respect to their positions, of the world length of a path: dimensionless,
-/// and several times for one vertex.
+/// Calls `add` with vertices and the gradient, with respect to their positions, of the world length of a path:
+/// dimensionless, and several times for one vertex.
 pub(crate) fn length_gradient(
     mesh: &Mesh,
     frame: &Frame,

@@ -1,7 +1,8 @@
 //! Direct displacement: every vertex inside moves a part of the way to its target at once.
 //!
-//! Section 5.2 of Wicke, Lanker and Gross (2006). They move both sheets of pairs that have two regions; here the other sheet
-//! of a one-sided pair moves towards the inside too, since half the way of one side alone only lengthens the path.
+//! Section 5.2 of Wicke, Lanker and Gross (2006). They move both sheets of pairs that have two regions; here the other
+//! sheet of a one-sided pair moves towards the inside too, since half the way of one side alone only lengthens the
+//! path.
 
 use nalgebra::Vector3;
 

@@ -6,8 +6,8 @@ use crate::{
     respond::VertexFlags,
 };
 
-/// Sets the flags of all vertices; `flags` holds one, unset, for each. Near a path is the k-ring, `k = rings`, of the faces that
-/// intersect. `front` is scratch.
+/// Sets the flags of all vertices; `flags` holds one, unset, for each. Near a path is the k-ring, `k = rings`, of the
+/// faces that intersect. `front` is scratch.
 ///
 /// Cost: linear in the regions and the flagged vertices, and one pass over all vertices where some are pinned.
 pub(crate) fn set_flags(

@@ -37,8 +37,8 @@ impl ForceLaw {
 
     /// `min(k (d + h/2), f_max)`, in metres of displacement of one step.
     ///
-    /// Equation 4 of Wicke, Lanker and Gross (2006) prints `max`; its text means `min`. Their law vanishes as the gap closes,
-    /// where the stiffness of the cloth stalls it: hence the offset.
+    /// Equation 4 of Wicke, Lanker and Gross (2006) prints `max`; its text means `min`. Their law vanishes as the gap
+    /// closes, where the stiffness of the cloth stalls it: hence the offset.
     pub(crate) fn step(&self, distance_m: f64) -> f64 {
         (self.stiffness * (distance_m + self.offset_m)).min(self.largest_m)
     }
@@ -71,8 +71,8 @@ impl Forces {
         total.sum += force;
     }
 
-    /// Adds a force at a point and its opposite at another. With both in one place, or the force along the line between them,
-    /// neither the sum of all forces nor that of all torques changes.
+    /// Adds a force at a point and its opposite at another. With both in one place, or the force along the line between
+    /// them, neither the sum of all forces nor that of all torques changes.
     pub(crate) fn add_pair(&mut self, at: &MaterialPoint, against: &MaterialPoint, force: Vector3<f64>, limit_m: f64) {
         for (point, sign) in [(at, 1.0), (against, -1.0)] {
             for (&vertex, weight) in point.vertices.iter().zip(point.weights) {

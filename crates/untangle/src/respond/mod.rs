@@ -1,31 +1,31 @@
 //! From inside regions and targets to corrections.
 //!
-//! Units: a force is in kg m / step^2, so that force over mass is the displacement of one step. `h` is the mean edge length of
-//! the faces that the path runs through, `m` the mass of the point at which the force acts, `k` and `f_max` are
-//! `stiffness_per_step2` and `max_step_edge_lengths * h`, `o` half the thickness of the cloth, or half of `h` where none is
-//! set. Numbers in brackets are equations of Wicke, Lanker and Gross (2006).
+//! Units: a force is in kg m / step^2, so that force over mass is the displacement of one step. `h` is the mean edge
+//! length of the faces that the path runs through, `m` the mass of the point at which the force acts, `k` and `f_max`
+//! are `stiffness_per_step2` and `max_step_edge_lengths * h`, `o` half the thickness of the cloth, or half of `h` where
+//! none is set. Numbers in brackets are equations of Wicke, Lanker and Gross (2006).
 //!
-//! - Force law: `F(d) = min(k (d + o), f_max)`. Equation (4) prints `max(k d, f_max)`; the text says `min`, and without `o` the
-//!   force vanishes with the gap, where the stiffness of the cloth stalls it.
-//! - Attraction of a point inside `r` to its target `r'`: `+m F(|r' - r|) e` at `r` and its opposite at `r'`, with `e` from `r`
-//!   to `r'`, as in (4); for a region without vertices one point in each face.
-//! - Separation constraint in the middle of a path segment of length `l`: `2 m F(0) (l / h) e` and its opposite in the other
-//!   sheet, with `e` from conormal to conormal: the limit of the attraction on the path. The paper has none; small regions need
-//!   it.
-//! - Boundary push of segment `i` of a BI path: `2 m (s'_i - s_i)` and its opposite in the other sheet, with `s'` the mean over
-//!   the path of `F(h(u)) (-grad h)` on the partner and `s` the same on its own sheet. Equations (6) and (7) act on all vertices
-//!   of the path's faces, which keeps linear momentum only.
-//! - Boundary push of a path round two tubes: the same, over the boundary of the one that is nearer. The paper has none; to slip
-//!   one tube off the other takes no strain.
-//! - Contour minimisation of BI and of any path without targets: `-f_max` times the mean mass along the path times the gradient
-//!   of its length. The paper has none; it acts also where the push cancels.
+//! - Force law: `F(d) = min(k (d + o), f_max)`. Equation (4) prints `max(k d, f_max)`; the text says `min`, and without
+//!   `o` the force vanishes with the gap, where the stiffness of the cloth stalls it.
+//! - Attraction of a point inside `r` to its target `r'`: `+m F(|r' - r|) e` at `r` and its opposite at `r'`, with `e`
+//!   from `r` to `r'`, as in (4); for a region without vertices one point in each face.
+//! - Separation constraint in the middle of a path segment of length `l`: `2 m F(0) (l / h) e` and its opposite in the
+//!   other sheet, with `e` from conormal to conormal: the limit of the attraction on the path. The paper has none;
+//!   small regions need it.
+//! - Boundary push of segment `i` of a BI path: `2 m (s'_i - s_i)` and its opposite in the other sheet, with `s'` the
+//!   mean over the path of `F(h(u)) (-grad h)` on the partner and `s` the same on its own sheet. Equations (6) and (7)
+//!   act on all vertices of the path's faces, which keeps linear momentum only.
+//! - Boundary push of a path round two tubes: the same, over the boundary of the one that is nearer. The paper has
+//!   none; to slip one tube off the other takes no strain.
+//! - Contour minimisation of BI and of any path without targets: `-f_max` times the mean mass along the path times the
+//!   gradient of its length. The paper has none; it acts also where the push cancels.
 //!
-//! Each force acts in a point of a face and is spread over its corners by barycentric weights, and each has an opposite, in the
-//! same place or along the line between both: so linear and angular momentum are kept, exactly but for rounding, and
-//! [`Corrections`] says how much of both is left over. Then, per vertex, the sum over all paths is limited to `3 f_max m`, and
-//! pinned vertices get no force; both break the balance, and a host that needs it looks at [`VertexFlags::CLAMPED`]. CLOSED and
-//! LL get each force from both sides, as (4) does when it is applied symmetrically. Displacements (section 5.2) are means of
-//! `0.6 d + o / 2` along `e`, and keep no momentum.
+//! Each force acts in a point of a face and is spread over its corners by barycentric weights, and each has an
+//! opposite, in the same place or along the line between both: so linear and angular momentum are kept, exactly but for
+//! rounding, and [`Corrections`] says how much of both is left over. Then, per vertex, the sum over all paths is
+//! limited to `3 f_max m`, and pinned vertices get no force; both break the balance, and a host that needs it looks at
+//! [`VertexFlags::CLAMPED`]. CLOSED and LL get each force from both sides, as (4) does when it is applied
+//! symmetrically. Displacements (section 5.2) are means of `0.6 d + o / 2` along `e`, and keep no momentum.
 
 mod boundary_distance;
 mod boundary_push;
@@ -71,8 +71,8 @@ impl VertexFlags {
 /// Corrections of all vertices for one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Corrections {
-    /// Force on each vertex in kg m / step^2: divided by the mass, it is the displacement of one step. With no masses given,
-    /// every vertex weighs 1 kg.
+    /// Force on each vertex in kg m / step^2: divided by the mass, it is the displacement of one step. With no masses
+    /// given, every vertex weighs 1 kg.
     pub forces: Vec<Vector3<f64>>,
     /// Flags of each vertex.
     pub flags: Vec<VertexFlags>,

@@ -20,9 +20,9 @@ use crate::{
     stage::StageObserver,
 };
 
-/// The separation constraints of a path act like this many vertices per edge length of path. Without them regions of few
-/// vertices stay tangled: of 0, 0.5, 1, 2 and 4, tried on one set of small scenes, 0 and 0.5 left two scenes tangled within
-/// 100 steps; from 1 on little changed.
+/// The separation constraints of a path act like this many vertices per edge length of path. Without them regions of
+/// few vertices stay tangled: of 0, 0.5, 1, 2 and 4, tried on one set of small scenes, 0 and 0.5 left two scenes
+/// tangled within 100 steps; from 1 on little changed.
 const SEPARATION_WEIGHT: f64 = 2.0;
 /// The same for the boundary push of a path.
 const PUSH_WEIGHT: f64 = 2.0;
@@ -49,7 +49,8 @@ pub(crate) struct PathForces {
 }
 
 impl PathForces {
-    /// Sums up what acts on the paths of a frame. Pairs after the first `num_done` copies in the order of work are left out.
+    /// Sums up what acts on the paths of a frame. Pairs after the first `num_done` copies in the order of work are left
+    /// out.
     ///
     /// Returns the number of copies that were processed: fewer only if the observer ended a contour minimisation.
     pub(crate) fn sum(
@@ -111,7 +112,8 @@ impl PathForces {
         let AnalysedFrame { analysis, settings, .. } = *view;
         let order = &analysis.regions.order;
         for place in 0..num_done {
-            // Where targets were looked for, the observer was asked then, and what is cheap is done for all pairs that have them.
+            // Where targets were looked for, the observer was asked then, and what is cheap is done for all pairs that
+            // have them.
             let may_end = settings.response == Response::Contour && starts_pair(&analysis.paths, order, place);
             if may_end && observer.is_spent() {
                 return place;
@@ -124,8 +126,8 @@ impl PathForces {
             if settings.response != Response::Contour && is_bi {
                 push(view, copy, &mut self.boundary_push, &mut self.steps, &mut self.forces);
             }
-            // Also beside the push: on the few BI scenes tried, shortening alone never resolved, and both were somewhat faster
-            // than the push alone.
+            // Also beside the push: on the few BI scenes tried, shortening alone never resolved, and both were somewhat
+            // faster than the push alone.
             shorten(view, copy, &mut self.forces);
         }
         num_done
@@ -161,9 +163,9 @@ fn attract(view: &AnalysedFrame<'_>, found: &Correspondences, path: &PathCorresp
     }
 }
 
-/// Pushes a BI path and its partner over the nearest boundaries, or a pair of paths round tubes over the nearer boundary of
-/// both: to slip one tube out of the other takes no strain, to turn it inside out does. False where no boundary is near or the
-/// directions to it cancel.
+/// Pushes a BI path and its partner over the nearest boundaries, or a pair of paths round tubes over the nearer
+/// boundary of both: to slip one tube out of the other takes no strain, to turn it inside out does. False where no
+/// boundary is near or the directions to it cancel.
 fn push(
     view: &AnalysedFrame<'_>,
     copy: usize,

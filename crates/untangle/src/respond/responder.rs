@@ -60,7 +60,8 @@ impl Responder {
         &self.corrections
     }
 
-    /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these corrections.
+    /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these
+    /// corrections.
     pub(crate) fn displacement_adder<'a>(
         &'a mut self,
         mesh: &'a Mesh,

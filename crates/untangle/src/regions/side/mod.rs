@@ -16,8 +16,8 @@ use crate::{
 use winding::winding_number;
 use work::by_work;
 
-/// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the first of
-/// them that is switched on and has an answer. The vertices of the inside are complete in `flood` afterwards.
+/// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the first
+/// of them that is switched on and has an answer. The vertices of the inside are complete in `flood` afterwards.
 pub(crate) fn choose_side(
     flood: &mut Flood,
     view: &FrameView<'_>,
@@ -47,8 +47,8 @@ pub(crate) fn choose_side(
     inside
 }
 
-/// Each edge that pierces a face of another layer has one vote: its end behind an inner layer, or in front of an outer one,
-/// is inside.
+/// Each edge that pierces a face of another layer has one vote: its end behind an inner layer, or in front of an outer
+/// one, is inside.
 fn by_layers(flood: &Flood, view: &FrameView<'_>, layers: &[u32], points: &[PathPoint]) -> Option<usize> {
     let mut votes = [0usize; 2];
     for point in points {

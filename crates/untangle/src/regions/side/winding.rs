@@ -5,12 +5,12 @@ use crate::{
     mesh::{FaceId, Mesh},
 };
 
-/// The winding number of the solid pieces of a frame about the centroid of one of their faces, as the mean of its values on
-/// both sides of the face: 1/2 for a face that separates the outside from the inside of one solid, if the piece of the face is
-/// oriented outwards, or inwards as a whole.
+/// The winding number of the solid pieces of a frame about the centroid of one of their faces, as the mean of its
+/// values on both sides of the face: 1/2 for a face that separates the outside from the inside of one solid, if the
+/// piece of the face is oriented outwards, or inwards as a whole.
 ///
-/// Nothing if the face does not belong to a solid. Source: solid angles by van Oosterom and Strackee (1983). Cost: linear in
-/// the faces.
+/// Nothing if the face does not belong to a solid. Source: solid angles by van Oosterom and Strackee (1983). Cost:
+/// linear in the faces.
 pub(crate) fn winding_number(mesh: &Mesh, frame: &Frame, face: FaceId) -> Option<f64> {
     let piece = mesh.piece(face).filter(|&piece| mesh.is_solid(piece))?;
     let corners = |face: FaceId| mesh.face(face).map(|vertex| frame.position(vertex).coords);

@@ -1,8 +1,9 @@
 //! The side of a path that takes less work to bring back.
 //!
-//! The work of a correction is the sum over the vertices of area times squared distance from the target (Wicke, Lanker and
-//! Gross 2006 ask for the smallest possible correction). Targets are computed only later, and only for the chosen side; the
-//! distance from the path stands in for them: it is zero on the path for both, and grows with the depth of the penetration.
+//! The work of a correction is the sum over the vertices of area times squared distance from the target (Wicke, Lanker
+//! and Gross 2006 ask for the smallest possible correction). Targets are computed only later, and only for the chosen
+//! side; the distance from the path stands in for them: it is zero on the path for both, and grows with the depth of
+//! the penetration.
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
@@ -44,8 +45,8 @@ impl Eq for Reached {}
 
 /// The side with less work, after a fill that is complete on both sides; nothing where both take the same.
 ///
-/// A Dijkstra search from the crossed edges outwards, in which each vertex hands the point of the path that is nearest to it
-/// on to its neighbours. Cost: O(n log n) in the piece.
+/// A Dijkstra search from the crossed edges outwards, in which each vertex hands the point of the path that is nearest
+/// to it on to its neighbours. Cost: O(n log n) in the piece.
 pub(crate) fn by_work(flood: &Flood, view: &FrameView<'_>, points: &[PathPoint]) -> Option<usize> {
     let mut is_settled = vec![false; view.mesh.num_vertices()];
     let mut queue = BinaryHeap::new();
