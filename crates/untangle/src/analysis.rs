@@ -52,8 +52,8 @@ impl Analyser {
         &self.analysis
     }
 
-    /// Clears what is cached of earlier frames, so that the next one takes a cold search. Answers never depend on it:
-    /// this is for measuring.
+    /// Clears what is cached from frame to frame, so that the next search is a cold one: for measuring, since answers
+    /// never depend on earlier frames.
     pub fn clear_cache(&mut self) {
         self.intersector.clear_cache();
     }

@@ -33,9 +33,9 @@ pub enum FrameError {
 
 /// Positions of all vertices at one instant, `num_vertices x 3`, metres, finite.
 ///
-/// Coordinates of f32 hosts are converted exactly. Magnitudes below 2^-250 are taken as zero and those over 2^250
-/// refused: in between, the determinants of [`predicates`](crate::predicates) neither under- nor overflow, and their
-/// signs are exact.
+/// Coordinates in single precision are converted exactly. Magnitudes below 2^-250 are taken as zero and those over
+/// 2^250 refused: in between, the determinants of [`predicates`](crate::predicates) neither under- nor overflow, and
+/// their signs are exact.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     positions: Vec<Point3<f64>>,
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_positions_name_the_vertex() {
+    fn frame_refuses_bad_positions_and_names_the_vertex() {
         let error = |positions: &[[f64; 3]]| Frame::new(&mesh(), positions).unwrap_err();
         assert_eq!(error(&[[0.0; 3]; 2]), FrameError::Length { given: 2, expected: 3 });
         for value in [f64::INFINITY, 1e300] {
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn f32_converts_exactly_and_dust_is_zero() {
+    fn frame_converts_f32_exactly_and_takes_tiny_values_as_zero() {
         let mut frame = Frame::default();
         frame.set(&mesh(), [[0.1f32, f32::MAX, f32::MIN_POSITIVE]; 3].into_iter()).unwrap();
         assert_eq!(frame.position(VertexId(2)), Point3::from([0.1f32, f32::MAX, f32::MIN_POSITIVE].map(f64::from)));

@@ -1,12 +1,12 @@
-//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that bring
-//! it apart.
+//! Resolves cloth intersections: global intersection analysis of one state of a cloth, and the corrections that
+//! untangle it.
 //!
 //! The method is that of Wicke, Lanker and Gross, "Untangling Cloth With Boundaries" (2006), with exact signs.
 //!
 //! ```
 //! use untangle::{analysis::analyse, frame::Frame, mesh::{Mesh, MeshDescription}};
 //!
-//! // An upright triangle stands with its tip through a flat one.
+//! // The tip of an upright triangle pierces a flat one.
 //! let positions = [
 //!     [0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0],
 //!     [0.5, 1.0, 2.0], [1.5, 1.0, 2.0], [1.0, 1.1, -1.0],

@@ -1,9 +1,9 @@
-//! What a user chooses: the same names in files, on the command line and on the wire.
+//! Settings of a session: the same names in files, on the command line and on the wire.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// All choices for one session. Lengths are in metres where the name says so, otherwise relative to the mean edge
+/// All settings of one session. Lengths are in metres where the name says so, otherwise relative to the mean edge
 /// length `h` of the faces that a path runs through, so that the defaults fit cloth of any size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -13,7 +13,7 @@ pub struct Settings {
     /// Which of the two sides of a partitioning path is inside.
     pub inside: InsideChoice,
     /// Whether layers, where the mesh has them, decide instead: a point of an outer layer is inside where it lies
-    /// behind a face of an inner layer, whose faces look outwards.
+    /// behind a face of an inner layer; the faces of layers are oriented outwards.
     pub layer_order: bool,
     /// Whether winding numbers decide instead on closed, oriented pieces.
     pub winding: bool,
@@ -31,15 +31,16 @@ pub struct Settings {
     pub min_centres: usize,
     /// Most centres of a radial basis function fit.
     pub max_centres: usize,
-    /// Width of the flagged surroundings of the paths, in rings of vertices.
+    /// Vertices in the k-ring of this width round the paths are flagged as near a path.
     pub path_rings: u32,
-    /// Time for a frame in microseconds, from when its positions are read. Whoever has the clock keeps to it (the
-    /// daemon does); what time does not suffice for is left out, the shortest paths first.
+    /// Time for a frame in microseconds, from when its positions are read. The library has no clock: its caller
+    /// measures the time and ends the frame through the observer of its stages, as the daemon does. Pairs of paths for
+    /// which there is no time are left out, the shortest first.
     pub deadline_us: Option<u64>,
 }
 
-/// A named set of knobs, to start from: points on the measured front of time against frames to clean, see
-/// `docs/TRADE.md`.
+/// A preset of settings, to start from: a point on the measured front of time against frames to clean, see
+/// `docs/results/trade.md`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quality {
@@ -48,16 +49,16 @@ pub enum Quality {
     /// The default settings.
     #[default]
     Balanced,
-    /// One motion for all paths together (`coupled`): clean in the fewest frames, for tens of times the time. Keeps no
-    /// momentum.
+    /// One displacement field for all paths together (`coupled`): clean in the fewest frames, for tens of times the
+    /// time. Keeps no momentum.
     Accurate,
 }
 
 impl Quality {
-    /// Sets the knobs that belong to it and leaves the others as they are.
+    /// Sets the settings that belong to the preset, and no others.
     pub fn apply(self, settings: &mut Settings) {
         // Contour minimisation is no preset: it takes half the time of `fast`, and leaves scenes tangled. More centres
-        // than by default are none either: they take more time, and targets get no nearer to the truth.
+        // than by default are no preset either: they take more time, and the targets get no more accurate.
         let (response, max_centres) = match self {
             Self::Fast => (Response::Rbf, 10),
             Self::Balanced => (Response::Rbf, Settings::default().max_centres),
@@ -77,10 +78,10 @@ pub enum Response {
     Rbf,
     /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
     Contour,
-    /// Straight displacement to the targets, most of the way in one step: for repairs, not for simulations, since it
-    /// keeps no momentum. Paths without targets get the forces.
+    /// Straight displacement to the targets, more than half of the way in one step: for repairs, not for simulations,
+    /// since it keeps no momentum. Paths without targets get forces.
     Displacement,
-    /// One displacement for all paths together that changes the shape of the cloth least: for repairs, like
+    /// One displacement field for all paths together that changes the shape of the cloth least: for repairs, like
     /// `displacement`. Keeps no momentum.
     Coupled,
     /// Flags only: no forces.
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn defaults_are_valid_and_bad_values_are_named() {
+    fn validate_accepts_defaults_and_names_bad_values() {
         assert_eq!(Settings::default().validate(), Ok(()));
         let bad = Settings { stiffness_per_step2: f64::NAN, ..Settings::default() };
         assert_eq!(bad.validate().unwrap_err().name, "stiffness_per_step2");
@@ -179,12 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn presets_are_valid_and_the_middle_one_is_the_default() {
+    fn quality_presets_are_valid_and_balanced_is_the_default() {
         for quality in [Quality::Fast, Quality::Balanced, Quality::Accurate] {
             let mut settings = Settings { deadline_us: Some(7), min_centres: 200, ..Settings::default() };
             quality.apply(&mut settings);
             assert_eq!(settings.validate(), Ok(()));
-            assert_eq!(settings.deadline_us, Some(7), "knobs of no preset stay");
+            assert_eq!(settings.deadline_us, Some(7), "settings of no preset stay");
         }
         let mut settings = Settings { response: Response::Mask, max_centres: 7, ..Settings::default() };
         Quality::Balanced.apply(&mut settings);

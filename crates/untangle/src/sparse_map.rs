@@ -1,5 +1,4 @@
-//! A map by id that is emptied in constant time: what each stage that looks at a part of a mesh keeps over the whole of
-//! it.
+//! A map by id that is emptied in constant time: for stages that look at a small part of a mesh, again and again.
 
 use crate::mesh::MeshId;
 
@@ -28,7 +27,7 @@ impl<K: MeshId, V: Copy + Default> SparseMap<K, V> {
     pub(crate) fn reset(&mut self, num_ids: usize) {
         self.keys.clear();
         self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
-            // Once in four thousand million times the old marks would come back to life.
+            // The epochs have run out: entries of earlier ones with the same number must not count again.
             self.entries.fill((0, V::default()));
             1
         });

@@ -1,4 +1,4 @@
-//! The stages of a frame, and who is told of them.
+//! The stages of a frame, and the observer that is told of them.
 
 /// The stages of a frame, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,15 +15,15 @@ pub enum Stage {
     Respond,
 }
 
-/// Told when a stage begins, and asked whether to go on: how callers with a clock measure stages and end a frame early.
-/// `()` ignores it and has all the time in the world.
+/// Is told when a stage begins, and asked whether time is up: so callers with a clock measure stages and end a frame
+/// early. `()` measures nothing and never ends a frame.
 pub trait StageObserver {
     /// `stage` begins now, and the one before it has ended.
     fn begin(&mut self, stage: Stage);
     /// The last stage has ended.
     fn end(&mut self);
-    /// Whether the time for this frame is up. Asked before each pair of paths, the longest first; what comes after is
-    /// left out.
+    /// Whether the time for this frame is up. Asked before each pair of paths, the longest first; if so, this pair and
+    /// all later ones are left out.
     fn is_spent(&mut self) -> bool {
         false
     }

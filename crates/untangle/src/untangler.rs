@@ -1,4 +1,4 @@
-//! The whole way of one frame over one mesh: analysis, then response.
+//! All stages of one frame over one mesh: analysis, then response.
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::{
     stage::{Stage, StageObserver},
 };
 
-/// Untangles frames of one mesh. It keeps memory from frame to frame, but no history: the same frame and settings give
-/// the same answer, whatever came before.
+/// Untangles frames of one mesh. It keeps memory and caches from frame to frame, but no history: the answer depends on
+/// the mesh, the frame and the settings alone.
 #[derive(Debug)]
 pub struct Untangler {
     mesh: Arc<Mesh>,
@@ -24,12 +24,12 @@ pub struct Untangler {
     coupled: CoupledStep,
 }
 
-/// What was found and what to do about it.
+/// The answer to one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome<'a> {
     /// The global intersection analysis.
     pub analysis: &'a Analysis,
-    /// Targets of the points inside; empty where the response does without.
+    /// Targets of the points inside; empty where the response needs none.
     pub correspondences: &'a Correspondences,
     /// The corrections.
     pub corrections: &'a Corrections,

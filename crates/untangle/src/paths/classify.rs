@@ -1,10 +1,10 @@
-//! From chains to path pairs: types, splits, and the paths as the later stages read them.
+//! From chains to path pairs: types, splits, and the paths in the form that the later stages read.
 
 use arrayvec::ArrayVec;
 
 use super::{
     IntersectionPaths, PairType, PathCopy, PathPair, PathPoint, PathSegment, PathType,
-    cross::{Crosses, Join},
+    cross::{Join, Joiner},
     trace::Chains,
     view::{BoundaryEnd, ChainView, Ends},
 };
@@ -18,7 +18,7 @@ use crate::{
 #[derive(Debug, Default)]
 pub struct PathFinder {
     chains: Chains,
-    crosses: Crosses,
+    joiner: Joiner,
 }
 
 impl PathFinder {
@@ -28,14 +28,14 @@ impl PathFinder {
     pub fn find(&mut self, mesh: &Mesh, frame: &Frame, found: &Intersections, paths: &mut IntersectionPaths) {
         self.chains.trace(found);
         let view = ChainView { mesh, frame, found, chains: &self.chains };
-        self.crosses.join(&view);
+        self.joiner.join(&view);
         paths.pairs.clear();
         paths.copies.clear();
         paths.points.clear();
         paths.segments.clear();
         let mut builder = Builder { view, paths };
         for chain in 0..self.chains.chains.len() {
-            match self.crosses.of_chain(chain) {
+            match self.joiner.of_chain(chain) {
                 Join::Alone => builder.add_chain(chain),
                 Join::Cross { partner } => builder.add_cross(chain, partner),
                 Join::Touching { partner } => builder.add_touching(chain, partner),
@@ -61,59 +61,34 @@ enum Partner {
     Previous,
 }
 
+/// Writes pairs and paths out.
 struct Builder<'a> {
     view: ChainView<'a>,
     paths: &'a mut IntersectionPaths,
 }
 
 impl Builder<'_> {
-    /// A chain that is a pair by itself.
+    /// A chain that is a pair of its own.
     fn add_chain(&mut self, chain: usize) {
-        use {PairType as Pair, PathType as Path};
-        let there = |copy| HalfPath { chain, copy, reversed: false };
-        let back = |copy| HalfPath { chain, copy, reversed: true };
         let first_copy = self.paths.copies.len();
         let mut loop_vertices = ArrayVec::new();
         let pair_type = match self.view.ends(chain) {
-            Ends::Closed if self.view.chain(chain).twisted => {
-                self.add_copy(Path::Closed, Partner::Itself, &[there(0), there(1)]);
-                Pair::Closed
-            }
-            Ends::Closed => {
-                self.add_two((Path::Closed, &[there(0)]), (Path::Closed, &[there(1)]));
-                Pair::Closed
-            }
+            Ends::Closed => self.add_closed(chain),
             Ends::LoopLoop(first, last) if first == last => {
                 loop_vertices.push(first);
-                self.add_two((Path::Closed, &[there(0)]), (Path::Closed, &[there(1)]));
-                Pair::Eight
+                self.add_eight(chain)
             }
             Ends::LoopLoop(first, last) => {
                 loop_vertices.extend([first, last]);
-                self.add_copy(Path::LoopLoop, Partner::Itself, &[there(0), back(1)]);
-                Pair::LoopLoop
+                let halves = [(0, false), (1, true)].map(|(copy, reversed)| HalfPath { chain, copy, reversed });
+                self.add_copy(PathType::LoopLoop, Partner::Itself, &halves);
+                PairType::LoopLoop
             }
             Ends::LoopBoundary(vertex, end) => {
                 loop_vertices.push(vertex);
                 self.add_folded(chain, vertex, end)
             }
-            Ends::BoundaryBoundary([first, last]) => {
-                let bounded = |copy| [first, last].iter().filter(|end| end.ends_on_boundary(copy)).count();
-                let numbers = [bounded(0), bounded(1)];
-                let more = usize::from(numbers[1] > numbers[0]);
-                let types = [more, 1 - more].map(|copy| match numbers[copy] {
-                    0 => Path::InsideInside,
-                    1 => Path::BoundaryInside,
-                    _ => Path::BoundaryBoundary,
-                });
-                self.add_two((types[0], &[there(more)]), (types[1], &[there(1 - more)]));
-                match types {
-                    [Path::BoundaryBoundary, Path::BoundaryBoundary] => Pair::BoundaryBoundaryBoundaryBoundary,
-                    [Path::BoundaryBoundary, Path::BoundaryInside] => Pair::BoundaryBoundaryBoundaryInside,
-                    [Path::BoundaryBoundary, _] => Pair::BoundaryBoundaryInsideInside,
-                    _ => Pair::BoundaryInside,
-                }
-            }
+            Ends::BoundaryBoundary(ends) => self.add_bounded(chain, ends),
         };
         let mut ends = ArrayVec::new();
         if !self.view.chain(chain).closed {
@@ -130,8 +105,45 @@ impl Builder<'_> {
         });
     }
 
-    /// A chain from a loop vertex to the boundary: one path that is folded there, or two that end in a vertex of the
-    /// boundary.
+    /// A chain without ends: two closed paths, or one of two rounds where the copies exchange their sheets.
+    fn add_closed(&mut self, chain: usize) -> PairType {
+        let [first, second] = [0, 1].map(|copy| HalfPath { chain, copy, reversed: false });
+        if self.view.chain(chain).twisted {
+            self.add_copy(PathType::Closed, Partner::Itself, &[first, second]);
+        } else {
+            self.add_two((PathType::Closed, &[first]), (PathType::Closed, &[second]));
+        }
+        PairType::Closed
+    }
+
+    /// A chain that begins and ends in one loop vertex: two closed paths through it.
+    fn add_eight(&mut self, chain: usize) -> PairType {
+        let [first, second] = [0, 1].map(|copy| HalfPath { chain, copy, reversed: false });
+        self.add_two((PathType::Closed, &[first]), (PathType::Closed, &[second]));
+        PairType::Eight
+    }
+
+    /// A chain from boundary to boundary: two paths, the one with more ends on boundaries first.
+    fn add_bounded(&mut self, chain: usize, ends: [BoundaryEnd; 2]) -> PairType {
+        let numbers = [0, 1].map(|copy| ends.iter().filter(|end| end.ends_on_boundary(copy)).count());
+        let more = usize::from(numbers[1] > numbers[0]);
+        let types = [more, 1 - more].map(|copy| match numbers[copy] {
+            0 => PathType::InsideInside,
+            1 => PathType::BoundaryInside,
+            _ => PathType::BoundaryBoundary,
+        });
+        let [first, second] = [more, 1 - more].map(|copy| HalfPath { chain, copy, reversed: false });
+        self.add_two((types[0], &[first]), (types[1], &[second]));
+        match types {
+            [PathType::BoundaryBoundary, PathType::BoundaryBoundary] => PairType::BoundaryBoundaryBoundaryBoundary,
+            [PathType::BoundaryBoundary, PathType::BoundaryInside] => PairType::BoundaryBoundaryBoundaryInside,
+            [PathType::BoundaryBoundary, _] => PairType::BoundaryBoundaryInsideInside,
+            _ => PairType::BoundaryInside,
+        }
+    }
+
+    /// A chain from a loop vertex to the boundary: one path that folds back at the vertex, or two paths where the
+    /// vertex is on the boundary.
     fn add_folded(&mut self, chain: usize, vertex: VertexId, end: BoundaryEnd) -> PairType {
         let half = |copy, reversed| HalfPath { chain, copy, reversed };
         let (bounded, free) = (end.bounded, 1 - end.bounded);
@@ -176,7 +188,9 @@ impl Builder<'_> {
     fn add_cross(&mut self, first: usize, second: usize) {
         let first_copy = self.paths.copies.len();
         let (Some((vertex, a)), Some((_, b))) = (self.loop_end(first), self.loop_end(second)) else {
-            unreachable!("only chains from a loop vertex to the boundary are joined");
+            unreachable!(
+                "chains {first} and {second} are joined, but do not both run from a loop vertex to the boundary"
+            );
         };
         let through = |a: usize, b: usize| {
             [HalfPath { chain: first, copy: a, reversed: true }, HalfPath { chain: second, copy: b, reversed: false }]
@@ -193,6 +207,7 @@ impl Builder<'_> {
         });
     }
 
+    /// The loop vertex of a chain that ends on the boundary, and the copy that ends there.
     fn loop_end(&self, chain: usize) -> Option<(VertexId, usize)> {
         match self.view.ends(chain) {
             Ends::LoopBoundary(vertex, end) => Some((vertex, end.bounded)),
@@ -200,6 +215,7 @@ impl Builder<'_> {
         }
     }
 
+    /// Two paths that correspond to each other.
     fn add_two(&mut self, first: (PathType, &[HalfPath]), second: (PathType, &[HalfPath])) {
         self.add_copy(first.0, Partner::Next, first.1);
         self.add_copy(second.0, Partner::Previous, second.1);
@@ -210,7 +226,7 @@ impl Builder<'_> {
         let (first_point, first_segment) = (self.paths.points.len(), self.paths.segments.len());
         for (which, &half) in halves.iter().enumerate() {
             let count = self.view.num_segments(half.chain);
-            // Where two halves meet, the point stands once.
+            // Two halves share the point in which they meet.
             for place in usize::from(which > 0)..=count {
                 let point = self.point(half, if half.reversed { count - place } else { place });
                 self.paths.points.push(point);

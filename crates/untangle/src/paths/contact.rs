@@ -1,8 +1,8 @@
 //! Ends where two boundaries touch exactly: the only source of BLB and BB/BB, and of BB/BI without a loop vertex.
 //!
-//! The signs know no touching: on the perturbed input the boundary edge pierces the face just inside its boundary, or
-//! misses it. Here the coordinates are asked as they are, with exact arithmetic. The answer names the path; it changes
-//! no intersection.
+//! Perturbed signs know no touching: on the perturbed input the boundary edge pierces the face just inside its
+//! boundary, or misses it. Here the unperturbed coordinates are compared, with exact arithmetic. The answer decides the
+//! type of a path only; it changes no intersection.
 
 use super::SurfacePoint;
 use crate::{
@@ -15,13 +15,13 @@ use crate::{
 /// Where a boundary edge touches the boundary of the face that it pierces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
-    /// Place of the pierced sheet: on a boundary edge, or in a boundary vertex.
+    /// Place on the pierced sheet: on a boundary edge, or in a boundary vertex.
     pub(crate) on_face: SurfacePoint,
 }
 
-/// What touches, without numbers.
+/// The element of the boundary that is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Site {
+enum TouchedElement {
     Vertex(VertexId),
     Edge(EdgeId),
 }
@@ -44,25 +44,26 @@ impl Contact {
             let [f, g] = mesh.edge(side);
             are_coplanar([p, q, f, g].map(position))
         });
-        let site = match touched {
+        let touched_element = match touched {
             [true, false, false] | [false, true, false] | [false, false, true] => {
                 let side = sides[touched.iter().position(|&touches| touches)?];
-                mesh.is_boundary_edge(side).then_some(Site::Edge(side))?
+                mesh.is_boundary_edge(side).then_some(TouchedElement::Edge(side))?
             }
             [true, true, false] => Self::vertex(mesh, b)?,
             [false, true, true] => Self::vertex(mesh, c)?,
             [true, false, true] => Self::vertex(mesh, a)?,
             _ => return None,
         };
-        let on_face = match site {
-            Site::Vertex(vertex) => SurfacePoint::Vertex(vertex),
-            Site::Edge(edge) => SurfacePoint::Edge { edge, parameter: Self::parameter(mesh, crossing, edge) },
+        let on_face = match touched_element {
+            TouchedElement::Vertex(vertex) => SurfacePoint::Vertex(vertex),
+            TouchedElement::Edge(edge) => SurfacePoint::Edge { edge, parameter: Self::parameter(mesh, crossing, edge) },
         };
         Some(Self { on_face })
     }
 
-    fn vertex(mesh: &Mesh, vertex: VertexId) -> Option<Site> {
-        mesh.is_boundary_vertex(vertex).then_some(Site::Vertex(vertex))
+    /// A vertex, if it is on the boundary.
+    fn vertex(mesh: &Mesh, vertex: VertexId) -> Option<TouchedElement> {
+        mesh.is_boundary_vertex(vertex).then_some(TouchedElement::Vertex(vertex))
     }
 
     /// Position along a side of the pierced face.

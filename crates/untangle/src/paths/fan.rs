@@ -1,9 +1,10 @@
-//! The order of half-paths round a loop vertex: which BLI belong together as a CROSS.
+//! The order of faces and of directions round a loop vertex.
 
 use super::SurfacePoint;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
-/// The faces round a vertex in order, each with the corner that it is entered by; nothing where they are not one fan.
+/// Writes the faces round a vertex in order, each with the corner on the edge over which it is entered; false where
+/// they are not one fan.
 pub(crate) fn ordered_fan(mesh: &Mesh, vertex: VertexId, fan: &mut Vec<(FaceId, VertexId)>) -> bool {
     fan.clear();
     let spokes = mesh.vertex_edges(vertex);
@@ -48,9 +49,10 @@ impl<'a> FanOrder<'a> {
         Self { fan, ranks }
     }
 
-    /// Where a half-path leaves the vertex: the place of its face in the fan and the part of the way across this face.
+    /// The direction in which a path leaves the vertex: the place of its face in the fan and the part of the way across
+    /// this face.
     ///
-    /// `towards` is the first point of the half-path after the vertex; it lies in `face`.
+    /// `towards` is the first point of the path after the vertex; it lies in `face`.
     pub(crate) fn direction(
         &self,
         mesh: &Mesh,
@@ -83,25 +85,12 @@ fn weight(mesh: &Mesh, point: SurfacePoint, vertex: VertexId) -> f64 {
     }
 }
 
-/// Whether two chords of a circle cross, given the places of their ends along it; all four differ.
-pub(crate) fn chords_cross([a, b]: [usize; 2], [c, d]: [usize; 2]) -> bool {
-    let between = |x: usize| a.min(b) < x && x < a.max(b);
-    between(c) != between(d)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn chords() {
-        assert!(chords_cross([0, 2], [1, 3]));
-        assert!(!chords_cross([0, 1], [2, 3]));
-        assert!(!chords_cross([0, 3], [2, 1]));
-    }
-
-    #[test]
-    fn a_fan_is_walked_from_its_boundary() {
+    fn ordered_fan_of_boundary_vertex_starts_at_the_boundary() {
         let faces = vec![[0, 1, 2], [0, 3, 4], [3, 0, 2]];
         let description = crate::mesh::MeshDescription { num_vertices: 5, faces, ..Default::default() };
         let mesh = Mesh::new(description).unwrap();

@@ -1,11 +1,12 @@
 //! Intersection paths: segments joined, followed over both sheets, and classified by where they end.
 //!
-//! Glossary. A *chain* is a connected run of segments in the world (the literature also says contour). Each point of it
-//! touches the cloth in two places, so it has two *copies*; each copy is the other's *corresponding path*. Where the
-//! two faces of a segment share a vertex, the *loop vertex*, both copies meet and a path folds back: path and
-//! corresponding path are then one. A [`PathPair`] is what is found, a [`PathCopy`] what is left after EIGHT, CROSS and
-//! BLLB are split.
+//! Glossary. An intersection path is what the literature also calls a contour (Baraff, Witkin and Kass 2003; Volino and
+//! Magnenat-Thalmann 2006). A *chain* is a connected run of segments in the world. Each point of it touches the cloth
+//! in two places, so it has two *copies*; each copy is the other's *corresponding path*. Where the two faces of a
+//! segment share a vertex, the *loop vertex*, both copies meet and a path folds back: path and corresponding path are
+//! then one. A [`PathPair`] is a pair as it is traced, a [`PathCopy`] one path after EIGHT, CROSS and BLLB are split.
 
+mod chords;
 mod classify;
 mod contact;
 mod cross;
@@ -25,7 +26,7 @@ use crate::mesh::{EdgeId, FaceId, VertexId};
 pub use classify::PathFinder;
 pub(crate) use sheet::Sheet;
 
-/// Type of a pair of corresponding paths, as found.
+/// Type of a pair of corresponding paths, before splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(into = "&'static str")]
 pub enum PairType {
@@ -54,7 +55,7 @@ pub enum PairType {
 }
 
 impl PairType {
-    /// The name of the type in the paper, as everywhere: in reports, files and pictures.
+    /// The name of the type in the paper, used in reports, files and pictures.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -100,7 +101,7 @@ pub enum PathType {
 }
 
 impl PathType {
-    /// The name of the type in the paper, as everywhere: in reports, files and pictures.
+    /// The name of the type in the paper, used in reports, files and pictures.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -206,7 +207,7 @@ pub enum ChainEnd {
     },
 }
 
-/// A pair of corresponding paths, as found.
+/// A pair of corresponding paths, before splitting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathPair {
     /// Its type.
@@ -219,8 +220,8 @@ pub struct PathPair {
     pub length_m: f64,
     /// Loop vertices, in the order met.
     pub loop_vertices: ArrayVec<VertexId, 2>,
-    /// Ends of its chain in the world, in the order met, or the free ends of its two chains (CROSS); none for a closed
-    /// one.
+    /// Ends of its chain in the world, in the order met, or the free ends of its two chains (CROSS, BLLB); none for a
+    /// closed one.
     pub ends: ArrayVec<ChainEnd, 2>,
     /// Its paths after splitting, in [`IntersectionPaths::copies`].
     pub copies: Range<usize>,
@@ -241,7 +242,8 @@ pub struct IntersectionPaths {
 
 impl IntersectionPaths {
     /// World length from the start of a path to each of its points, in metres. Corresponding paths share their world
-    /// positions, so that it is the arclength of both; a path that folds back at a loop vertex counts both ways.
+    /// positions, so that it is the arclength of both; on a path that folds back at a loop vertex both directions
+    /// count.
     pub fn arclengths_m(&self, copy: &PathCopy) -> impl Iterator<Item = f64> + '_ {
         let points = &self.points[copy.points.clone()];
         let mut length = 0.0;

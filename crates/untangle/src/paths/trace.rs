@@ -1,9 +1,9 @@
-//! From segments to chains, with both sheets followed along the way.
+//! From segments to chains, with both sheets followed along the chain.
 //!
-//! An edge-face intersection `(e, T)` joins the segments `{F, T}` of all faces `F` of `e`: two in the inside of a
-//! sheet, one where `e` is on the boundary, and more at a non-manifold edge, where chains are split. The copy that lies
-//! in `T` stays in `T`; the other crosses `e`. A loop vertex ends each of its segments for itself, so that chains are
-//! never ambiguous, however many meet in one vertex.
+//! An edge-face intersection `(e, T)` joins the segments `{F, T}` of all faces `F` of `e`: two inside of a sheet, one
+//! where `e` is on the boundary, and more at a non-manifold edge, where chains are split. The copy that lies in `T`
+//! stays in `T`; the other crosses `e`. A loop vertex ends each of its segments separately, so that chains are never
+//! ambiguous, however many meet in one vertex.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub(crate) struct Chain {
     /// In [`Chains::nodes`]: one more than steps; a closed chain repeats its first node.
     pub(crate) nodes: Range<usize>,
     pub(crate) closed: bool,
-    /// A closed chain whose copies have changed places after one round: one path of two rounds.
+    /// A closed chain whose copies have exchanged their sheets after one round: one path of two rounds.
     pub(crate) twisted: bool,
 }
 
@@ -52,13 +52,14 @@ impl Chains {
         self.nodes.clear();
         self.visited.clear();
         self.visited.resize(found.segments.len(), false);
-        for seed in 0..u32::try_from(found.segments.len()).expect("fewer segments than 2^32") {
+        for seed in 0..u32::try_from(found.segments.len()).expect("fewer than 2^32 segments") {
             if !self.visited[seed as usize] {
                 self.trace_from(found, seed);
             }
         }
     }
 
+    /// Lists the segments that end in each edge-face intersection.
     fn link(&mut self, found: &Intersections) {
         self.links.clear();
         self.links.resize(found.edge_face.len(), [0; 2]);
@@ -77,7 +78,7 @@ impl Chains {
         }
     }
 
-    /// The segment on the other side of an end, if the chain goes on there.
+    /// The segment on the other side of an end, if the chain continues there.
     fn beyond(&self, segment: u32, end: SegmentEnd) -> Option<u32> {
         let SegmentEnd::EdgeFace(crossing) = end else { return None };
         if self.degrees[crossing as usize] != 2 {
@@ -87,6 +88,7 @@ impl Chains {
         Some(if a == segment { b } else { a })
     }
 
+    /// Finds an end of the chain of a segment, and follows the chain from there.
     fn trace_from(&mut self, found: &Intersections, seed: u32) {
         let ends = found.segments[seed as usize].ends;
         let (first, start) = match self.terminal(found, seed, ends[0]) {
@@ -101,7 +103,7 @@ impl Chains {
         self.follow(found, first, start);
     }
 
-    /// Walks from `segment` out of `end` to where the chain stops; nothing if it returns.
+    /// Walks from `seed` out of `end` to where the chain stops; nothing if it returns.
     fn terminal(&self, found: &Intersections, seed: u32, end: SegmentEnd) -> Option<(u32, SegmentEnd)> {
         let (mut segment, mut end) = (seed, end);
         while let Some(next) = self.beyond(segment, end) {
@@ -114,6 +116,7 @@ impl Chains {
         Some((segment, end))
     }
 
+    /// Appends the chain that begins with the segment `first` at its end `start`.
     fn follow(&mut self, found: &Intersections, first: u32, start: SegmentEnd) {
         let (first_step, first_node) = (self.steps.len(), self.nodes.len());
         let (mut segment, mut node) = (first, start);

@@ -1,4 +1,4 @@
-//! Chains together with what they refer to: where each copy runs and how it ends.
+//! Chains together with the mesh, frame and intersections that they refer to: where each copy runs and how it ends.
 
 use nalgebra::Point3;
 
@@ -16,7 +16,7 @@ use crate::{
 /// How a chain ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ends {
-    /// Not at all.
+    /// It does not end.
     Closed,
     /// In two loop vertices, or twice in one.
     LoopLoop(VertexId, VertexId),
@@ -43,6 +43,7 @@ impl BoundaryEnd {
     }
 }
 
+/// The chains of a frame, to be asked by index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChainView<'a> {
     pub(crate) mesh: &'a Mesh,
@@ -94,8 +95,8 @@ impl ChainView<'_> {
         }
     }
 
-    /// Where a copy touches the cloth at a node: the copy that runs through the pierced face is inside of it, the other
-    /// one on the edge. Where boundaries touch exactly, both are on an edge or in a vertex.
+    /// The place of a copy on the cloth at a node: the copy that runs through the pierced face is inside of it, the
+    /// other one on the edge. Where boundaries touch exactly, both are on an edge or in a vertex.
     pub(crate) fn surface_point(&self, chain: usize, copy: usize, place: usize) -> SurfacePoint {
         match self.node(chain, place) {
             SegmentEnd::LoopVertex(vertex) => SurfacePoint::Vertex(vertex),
@@ -119,7 +120,7 @@ impl ChainView<'_> {
         self.face(chain, copy, step) == face
     }
 
-    /// The edge-face intersection in which a chain ends, in numbers that the order of the faces does not change.
+    /// The edge-face intersection in which a chain ends, as ids that do not depend on the order of the faces.
     pub(crate) fn last_crossing(&self, chain: usize) -> (EdgeId, [VertexId; 3]) {
         match self.node(chain, self.num_segments(chain)) {
             SegmentEnd::LoopVertex(vertex) => (EdgeId(u32::MAX), [vertex; 3]),
@@ -147,7 +148,7 @@ impl ChainView<'_> {
             .sum()
     }
 
-    /// The first or the last end of an open chain, for a reader.
+    /// The first or the last end of an open chain, as reported.
     pub(crate) fn end(&self, chain: usize, last: bool) -> ChainEnd {
         let place = if last { self.num_segments(chain) } else { 0 };
         match self.node(chain, place) {

@@ -1,11 +1,11 @@
-//! One plane against many points: what does not depend on the point is computed once.
+//! One plane against many points: the part of the determinant that does not depend on the point is computed once.
 
 use super::{Side, Site, side_of_plane};
 
-/// Relative to the sum of its terms' magnitudes, the error of the determinant below is at most this (Shewchuk 1997, the
-/// first of the bounds of Orient3D): its operations are those, with the roles of the four points changed.
+/// Forward error bound of the determinant below, relative to the sum of the magnitudes of its terms (Shewchuk 1997, the
+/// first bound of Orient3D): its operations are the same, with the roles of the four points changed.
 const ROUNDING: f64 = (7.0 + 56.0 * UNIT) * UNIT;
-/// 2^-53.
+/// Rounding unit, 2^-53.
 const UNIT: f64 = 0.5 * f64::EPSILON;
 
 /// The plane through three sites.
@@ -19,6 +19,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
+    /// The plane through three sites, oriented by their order.
     pub(crate) fn through(sites: [Site; 3]) -> Self {
         let [a, b, c] = &sites;
         let (u, v) = (minus(b.position, a.position), minus(c.position, a.position));
@@ -31,7 +32,8 @@ impl Plane {
         }
     }
 
-    /// The side on which a site lies: what [`side_of_plane`] says.
+    /// The side on which a site lies: the answer of [`side_of_plane`], in double precision where its error bound
+    /// allows.
     #[inline]
     pub(crate) fn side_of(&self, site: Site) -> Side {
         let away = minus(site.position, self.sites[0].position);
@@ -60,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_what_the_exact_predicate_says() {
+    fn plane_side_is_that_of_the_exact_predicate() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         for round in 0..200_000 {
             let mut point = || -> [f64; 3] { std::array::from_fn(|_| rng.random_range(-1.0..1.0)) };
