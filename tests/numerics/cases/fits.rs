@@ -1,6 +1,6 @@
 //! Thin-plate fits with few centres and many, on lines, on flat arcs and side by side: condition numbers and what they do to targets.
 //!
-//! The fit itself, on centres that contradict each other too, is held by `src/correspond/rbf_tests.rs`.
+//! The fit itself, on centres that contradict each other too, is held by `crates/untangle/src/correspond/fit/tests.rs`.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -49,7 +49,7 @@ pub(super) fn chapter() -> Chapter {
                `PathCorrespondence::condition` says it; *short* the sum of `rank_deficiency` over all fits; *residual* by how much a fit misses its path at \
                worst, and *targets* how far targets lie from the true ones at worst, both in edge lengths. `min_centres` and `max_centres` are both set to the \
                count; a path that is nearly straight has centres beside it, inside, too, and an LL path those of its partner. The fit itself, on centres that \
-               contradict each other too, is held by the unit tests of `src/correspond/rbf_tests.rs`.",
+               contradict each other too, is held by the unit tests of `crates/untangle/src/correspond/fit/tests.rs`.",
         cases,
     }
 }
