@@ -9,22 +9,26 @@ use crate::{
 };
 
 /// The product of two vectors as complex numbers: rotates and scales one by the other.
+#[inline]
 pub(crate) fn complex_product(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x)
 }
 
 /// `a / b` as complex numbers: the rotation and scale that takes `b` to `a`. Zero for a zero divisor.
+#[inline]
 pub(crate) fn complex_quotient(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
     let squared = b.norm_squared();
     if squared > 0.0 { conjugate_product(b, a) / squared } else { Vector2::zeros() }
 }
 
 /// The conjugate of `a` times `b` as complex numbers: their scalar product and their cross product.
+#[inline]
 pub(crate) fn conjugate_product(a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(a.dot(&b), a.perp(&b))
 }
 
 /// A vector turned by a quarter to the left.
+#[inline]
 pub(crate) fn left_normal(direction: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-direction.y, direction.x)
 }
@@ -34,6 +38,7 @@ pub(crate) fn left_normal(direction: Vector2<f64>) -> Vector2<f64> {
 ///
 /// The disc of BLI paths and the flattening flow take flat triangles of their own: the same shape, rounded in another
 /// way.
+#[inline]
 pub(crate) fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Point2<f64>; 3] {
     let side = b - a;
     let length = side.norm();
@@ -45,6 +50,7 @@ pub(crate) fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Point2<f64>; 3] {
 }
 
 /// The sum of the sides of a triangle, in the plane or in space.
+#[inline]
 pub(crate) fn perimeter<const D: usize>([a, b, c]: [Point<f64, D>; 3]) -> f64 {
     (b - a).norm() + (c - b).norm() + (a - c).norm()
 }

@@ -11,7 +11,7 @@ use super::{
     lifted::LiftedPair,
     path_input::{PathInput, is_partitioning},
     separations::SheetsAlongPath,
-    shared_by_pair::{SharedCharts, SharedResults, add_exchanged, name_same_points},
+    shared_by_pair::{SharedCharts, SharedResults, add_exchanged, have_same_points},
     targets::TargetMap,
 };
 use crate::{
@@ -181,10 +181,10 @@ impl Correspondent {
         }
     }
 
-    /// Leaves the results of the first path of a pair to the second, where that one names the same points.
+    /// Leaves the results of the first path of a pair to the second, where that one lists the same points.
     fn share_results(&mut self, input: &PathInput<'_>, sides: (f64, Option<f64>), first_separation: usize) {
         if let Some(shared) = &mut self.shared
-            && name_same_points(&input.analysis.paths, [input.copy, input.path.partner])
+            && have_same_points(&input.analysis.paths, [input.copy, input.path.partner])
         {
             let separations = first_separation..self.correspondences.separations.len();
             shared.results = Some(SharedResults { sides, separations });

@@ -32,7 +32,8 @@ pub(super) struct PathInput<'a> {
 }
 
 impl<'a> PathInput<'a> {
-    /// Looks a path up. Nothing where the corresponding path answers for both, or all its faces are points.
+    /// Looks a path up. Nothing where it is done together with its corresponding path, which comes first, or where all
+    /// its faces are single points.
     pub(super) fn new(
         mesh: &'a Mesh,
         frame: &'a Frame,

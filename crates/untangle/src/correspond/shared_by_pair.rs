@@ -1,8 +1,8 @@
 //! What the second path of a pair reuses from the first.
 //!
-//! Where both have a region, the second needs the charts of the first, exchanged. Where both also name the same points
-//! in the same order, as they do unless their pieces were joined otherwise, the lifts, the sides and the separation
-//! constraints are those of the first, exchanged: only the fit is computed for each.
+//! Where both have a region, the second needs the charts of the first, exchanged. Where both also list the same points
+//! in the same order, as they do unless their parts were joined in another order, the lifts, the sides and the
+//! separation constraints are those of the first, exchanged: only the fit is computed for each.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(super) struct SharedCharts {
     pub(super) partner: usize,
     /// How the charts of the first and of the second path were made.
     pub(super) kinds: [ChartKind; 2],
-    /// Where the second path names the same points.
+    /// Where the second path lists the same points.
     pub(super) results: Option<SharedResults>,
 }
 
@@ -31,8 +31,8 @@ pub(super) struct SharedResults {
     pub(super) separations: Range<usize>,
 }
 
-/// Whether two paths name the same points in the same order, each on its own sheet first.
-pub(super) fn name_same_points(paths: &IntersectionPaths, copies: [usize; 2]) -> bool {
+/// Whether two paths list the same points in the same order, each with its own sheet first.
+pub(super) fn have_same_points(paths: &IntersectionPaths, copies: [usize; 2]) -> bool {
     let [one, other] = copies.map(|copy| &paths.copies[copy]);
     let is_same_segment = |a: &PathSegment, b: &PathSegment| (a.own, a.partner) == (b.partner, b.own);
     let is_same_point = |a: &PathPoint, b: &PathPoint| (&a.own, &a.partner) == (&b.partner, &b.own);

@@ -57,7 +57,7 @@ impl TargetMap<'_> {
         self.partner.locate(mesh, image)
     }
 
-    /// The image of a point where the inside is a disc and its image an annulus, between which no map of the plane
+    /// The image of a point where the inside is a disc and its image an annulus, between which no injective map
     /// exists: as far beside the corresponding path as the point lies beside the path.
     fn offset_image(&self, point: Point2<f64>) -> Point2<f64> {
         let mut nearest = (f64::INFINITY, point);

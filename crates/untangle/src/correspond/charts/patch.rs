@@ -90,16 +90,20 @@ impl Patch {
     }
 
     fn add_face(&mut self, mesh: &Mesh, face: FaceId) {
-        if !self.faces.insert(face, narrow(self.corners.len())) {
+        if self.faces.contains(face) {
             return;
         }
-        let corners = mesh.face(face).map(|vertex| {
-            if self.vertex_numbers.insert(vertex, narrow(self.vertices.len())) {
-                self.vertices.push(vertex);
-            }
-            self.vertex_numbers.get(vertex).expect("inserted above")
-        });
+        self.faces.set(face, narrow(self.corners.len()));
+        let corners =
+            mesh.face(face).map(|vertex| self.vertex_numbers.get(vertex).unwrap_or_else(|| self.add_vertex(vertex)));
         self.corners.push(corners);
+    }
+
+    fn add_vertex(&mut self, vertex: VertexId) -> u32 {
+        let number = narrow(self.vertices.len());
+        self.vertex_numbers.set(vertex, number);
+        self.vertices.push(vertex);
+        number
     }
 
     /// The neighbour across a side of a face. Nothing on the outline of the patch, beyond a non-manifold edge and

@@ -2,6 +2,12 @@
 //!
 //! The order of elimination is that of an approximate minimum degree (Amestoy, Davis and Duff 1996), by faer; the
 //! factorisation `P A P^T = L L^T` is up-looking, row by row along the elimination tree (Davis 2006, chapter 4).
+//!
+//! By hand, though faer 0.24 has the same algorithm in memory of the caller (low-level simplicial factorisation, sparse
+//! triangular solutions). Measured on 1,328 systems of charts with 60 to 590 rows, both in kept memory: faer's
+//! factorisations take 14 % less time and its solutions 91 % more, so that a parameterisation, with 17 solutions for
+//! two factorisations, takes 12 % more. It multiplies by reciprocals of pivots where this one divides: 99.8 % of the
+//! coordinates differ in their last bits.
 
 use faer::sparse::{
     SymbolicSparseColMatRef,
