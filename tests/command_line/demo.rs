@@ -16,7 +16,7 @@ fn demo_ends_clean_and_writes_its_files() {
         .unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{said}{}", String::from_utf8_lossy(&output.stderr));
-    assert!(said.contains("it stays tangled"), "the control came clean by itself: {said}");
+    assert!(said.contains("it stays tangled"), "the control came clean without corrections: {said}");
     for (name, clean) in [("before", false), ("after", true)] {
         let cloth = obj::read(&folder.path().join(name).with_extension("obj")).unwrap();
         assert_eq!(count_edge_face(&cloth.points(), &cloth.triangles) == Ok(0), clean, "{name}");
@@ -25,7 +25,7 @@ fn demo_ends_clean_and_writes_its_files() {
     }
 }
 
-/// Each type of path, by daemon and host, with the control that shows that nothing falls out of its tangle by itself.
+/// Each type of path, by daemon and host, with a control without corrections, which must stay tangled.
 #[test]
 fn demo_of_each_path_type_ends_clean() {
     for (scene, path_type) in [
@@ -46,7 +46,7 @@ fn demo_of_each_path_type_ends_clean() {
             .unwrap();
         let said = String::from_utf8_lossy(&output.stdout);
         assert_eq!(output.status.code(), Some(0), "{scene}: {said}{}", String::from_utf8_lossy(&output.stderr));
-        assert!(said.contains("it stays tangled"), "{scene} came clean by itself: {said}");
+        assert!(said.contains("it stays tangled"), "{scene} came clean without corrections: {said}");
         assert!(said.contains(path_type), "{scene} without {path_type}: {said}");
         let cloth = obj::read(&folder.path().join("after.obj")).unwrap();
         assert_eq!(count_edge_face(&cloth.points(), &cloth.triangles), Ok(0), "{scene}");

@@ -98,7 +98,7 @@ fn name(text: &str) -> ServiceName {
     ServiceName::new(text).unwrap()
 }
 
-/// Notifies an event of the daemon's, or of nobody's.
+/// Notifies the daemon of an event, known or not.
 fn wake(node: &Node<Ipc>, id: usize) {
     let event = node.service_builder(&name("untangled/control")).event().open().unwrap();
     event.notifier_builder().create().unwrap().notify_with_custom_event_id(EventId::new(id)).unwrap();
@@ -193,7 +193,7 @@ fn exchange_frame(node: &Node<Ipc>, states: &States, corrections: &Corrections, 
     assert_eq!((header.num_face_pairs, header.num_inside, header.flags), (1, 1, 0));
     assert_eq!((header.dt_s, header.simulated_s), (0.01, 0.5));
     assert!(header.stage_ns[7] > 0 && header.num_pairs.iter().sum::<u32>() == 1);
-    // Whoever asks for nothing new gets nothing new: reserved space that has got a meaning still reads as it did.
+    // A client that asks for nothing new reads reserved space as zeros, also where it has got a meaning since.
     assert_eq!(header.reserved, [0; 5]);
     assert_eq!(correction.payload().len(), 6);
     assert_eq!(correction.payload()[5].flags & 3, 3, "inside, and near the path");

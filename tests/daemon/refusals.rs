@@ -35,7 +35,7 @@ fn request_of_another_protocol_version_is_refused_in_words() {
     assert!(words.contains("protocol 999"), "{words}");
 }
 
-/// The daemon is the test itself: its first reply bears the token of somebody else's request, as one that comes late.
+/// The daemon is the test itself: its first reply bears the token of another request, as one that comes late.
 #[test]
 fn client_given_a_reply_to_another_request_ignores_it() {
     let domain = TestDomain::new();

@@ -89,7 +89,7 @@ fn metrics_of_a_session_are_prometheus_text() {
     assert!(http(&address, "GET /other HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
     assert!(http(&address, "POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 400"));
     assert!(http(&address, "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
-    // Somebody who says nothing keeps others out for a second, and frames not at all.
+    // A silent connection keeps other connections waiting for a second, and frames not at all.
     let _silent = TcpStream::connect(&address).unwrap();
     session.exchange(STEP, PATIENCE, fill_flat).unwrap();
     assert!(http(&address, "GET / HTTP/1.0\r\n\r\n").starts_with("HTTP/1.1 200"));

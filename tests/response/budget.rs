@@ -1,4 +1,4 @@
-//! A frame that runs out of time: the longest paths first, and what is left out is said.
+//! Frames that run out of time serve the longest paths first, and report the pairs that they leave out.
 
 use std::sync::Arc;
 

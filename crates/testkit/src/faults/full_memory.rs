@@ -51,8 +51,8 @@ pub fn full_memory(program: Command) -> Option<Row> {
     }
 }
 
-/// Sessions until there is no room, then the rest filled by somebody else: what is open goes on, what is new is
-/// refused.
+/// Opens sessions until there is no room, then fills the rest with a file that is none of the daemon's: open sessions
+/// continue, registrations are refused.
 pub fn full_memory_main(programs: Programs) {
     let domain = TestDomain::new();
     let mut daemon = programs.start_daemon(&domain);

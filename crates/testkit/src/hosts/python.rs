@@ -16,7 +16,7 @@ use crate::files::repository;
 pub fn command(skipped: &str) -> Option<Command> {
     static PYTHON: OnceLock<Result<(PathBuf, Option<PathBuf>), String>> = OnceLock::new();
     let find = || match std::env::var_os("TEST_PYTHON") {
-        // Somebody's own environment, with the package installed in it.
+        // An environment in which the package is installed.
         Some(python) => Ok((python.into(), None)),
         None => Ok((environment()?, Some(package()))),
     };

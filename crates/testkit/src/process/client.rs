@@ -58,7 +58,7 @@ impl Drop for ClientProcess {
 /// What a client process does, by its role: `frames` exchanges frames and keeps corrections, `loan` stops while it
 /// holds a loan, `register` registers a large mesh over and over.
 pub fn client_main(domain: &str, role: &str) {
-    // Long enough that it outlives a daemon that is restarted, and not much longer than whoever watches it.
+    // Long enough to outlive a daemon that is restarted, and not much longer than the test that watches it.
     let options = ClientOptions { domain: Some(domain.to_owned()), timeout: PATIENCE };
     let client = match Client::connect(options) {
         Ok(client) => client,

@@ -46,7 +46,7 @@ pub(crate) struct Measured {
     pub(crate) next: Duration,
 }
 
-/// Measures frames from nothing, and frames that follow one another, in which waves of a hundredth of an edge run
+/// Measures cold frames, and frames that follow one another, in which waves of a hundredth of an edge run
 /// through the cloth.
 pub(crate) fn measure(mesh: Mesh, positions: &[[f64; 3]], edge: f64, num_rounds: usize) -> Result<Measured, Failure> {
     let mesh = Arc::new(mesh);
