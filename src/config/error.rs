@@ -17,6 +17,14 @@ pub enum ConfigError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The file is not TOML.
+    #[error("configuration file {path}: {source}")]
+    Toml {
+        /// The file.
+        path: PathBuf,
+        /// The error of the parser, with the line.
+        source: Box<toml::de::Error>,
+    },
     /// A key or a value that is not understood; the message names both and their layer.
     #[error("configuration: {0}")]
     Value(#[from] Box<figment::Error>),

@@ -1,11 +1,12 @@
 //! The layers of the configuration. Later layers win: defaults, configuration file, environment, flags.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use figment::{
-    Figment,
-    providers::{Env, Format, Serialized, Toml},
+    Error, Figment, Metadata, Profile, Provider,
+    providers::{Env, Serialized},
+    value::{Dict, Map},
 };
 use untangled_proto::limits;
 
@@ -31,6 +32,36 @@ pub struct ConfigFlags {
     pub quality: Option<String>,
 }
 
+/// A configuration file as a layer. Read by the same crate that prints the configuration; figment's own reader would bring
+/// another version of it, and take a missing file for an empty layer.
+struct TomlFile {
+    path: PathBuf,
+    keys: toml::Table,
+}
+
+impl TomlFile {
+    fn read(path: &Path) -> Result<Self, ConfigError> {
+        let path = path.to_owned();
+        match std::fs::read_to_string(&path) {
+            Ok(text) => match text.parse() {
+                Ok(keys) => Ok(Self { path, keys }),
+                Err(source) => Err(ConfigError::Toml { path, source: Box::new(source) }),
+            },
+            Err(source) => Err(ConfigError::File { path, source }),
+        }
+    }
+}
+
+impl Provider for TomlFile {
+    fn metadata(&self) -> Metadata {
+        Metadata::named(self.path.display().to_string())
+    }
+
+    fn data(&self) -> Result<Map<Profile, Dict>, Error> {
+        Serialized::defaults(&self.keys).data()
+    }
+}
+
 impl Config {
     /// The effective configuration of this process.
     ///
@@ -39,10 +70,7 @@ impl Config {
     pub fn load(args: &ConfigFlags) -> Result<Self, ConfigError> {
         let mut layers = Figment::new();
         if let Some(path) = &args.config {
-            // Figment would take a missing file for an empty layer.
-            let text =
-                std::fs::read_to_string(path).map_err(|source| ConfigError::File { path: path.clone(), source })?;
-            layers = layers.merge(Toml::string(&text));
+            layers = layers.merge(TomlFile::read(path)?);
         }
         // UNTANGLED_SETTINGS__PATH_RINGS=3 is settings.path_rings.
         layers = layers.merge(Env::prefixed("UNTANGLED_").split("__"));

@@ -11,13 +11,13 @@ use std::{
 use iceoryx2::{
     node::NodeWaitFailure,
     port::listener::{Listener, ListenerWaitError},
-    prelude::{LogLevel, Node, NodeBuilder, SignalHandlingMode, set_log_level_from_env_or},
+    prelude::{LogLevel, Node, SignalHandlingMode, set_log_level_from_env_or},
 };
 use untangled_proto::names;
 use untangled_transport::{
     Domain,
     lock::{DomainLock, LockError},
-    memory,
+    memory, node,
     services::{self, Event, Ipc},
 };
 
@@ -133,7 +133,7 @@ impl Daemon {
         memory::close_to_others(&options.domain)
             .map_err(|source| ServeError::System { what: "closing shared memory to other users", source })?;
         // A daemon that was killed still counts as a server until its node is cleaned up.
-        let _ = node.try_cleanup_dead_nodes();
+        node::clean_up_dead(&node);
         let event = services::create_shared_event(&node, names::CONTROL)
             .map_err(|error| ServeError::transport("creating the control event", &error))?;
         let listener =
@@ -205,10 +205,7 @@ impl Daemon {
 }
 
 fn create_node(domain: &Domain) -> Result<Arc<Node<Ipc>>, ServeError> {
-    let node = NodeBuilder::new()
-        .config(&domain.config()?)
-        .signal_handling_mode(SignalHandlingMode::HandleTerminationRequests)
-        .create::<Ipc>()
+    let node = node::create(&domain.config()?, SignalHandlingMode::HandleTerminationRequests)
         .map_err(|error| ServeError::transport("creating a node", &error))?;
     Ok(Arc::new(node))
 }

@@ -13,6 +13,7 @@
 pub mod domain;
 pub mod lock;
 pub mod memory;
+pub mod node;
 pub mod process_id;
 pub mod services;
 

@@ -11,11 +11,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 use rustix::fs::{FlockOperation, flock};
 use thiserror::Error;
 
-use crate::{Domain, DomainError, memory, services::Ipc};
+use crate::{Domain, DomainError, memory, node};
 
 /// Why a domain's lock was not taken.
 #[derive(Debug, Error)]
@@ -107,13 +106,8 @@ impl<'a> DomainLock<'a> {
     /// # Errors
     /// [`LockError::File`] and [`LockError::Domain`].
     pub fn wipe_if_unused(&self) -> Result<(), LockError> {
-        let mut used = false;
-        let listed = Node::<Ipc>::list(&self.domain.config()?, |node| {
-            used |= !matches!(node, NodeState::Dead(_));
-            if used { CallbackProgression::Stop } else { CallbackProgression::Continue }
-        });
         // A domain whose nodes can't be listed may be in use.
-        if used || listed.is_err() {
+        if node::living(&self.domain.config()?).map_or(true, |ids| !ids.is_empty()) {
             return Ok(());
         }
         let failed = |path: &Path| {

@@ -20,7 +20,7 @@ use untangled_proto::{
     control::{ReplyHeader, RequestHeader},
     correction::{CorrectionHeader, VertexCorrection},
     limits, names,
-    state::StateHeader,
+    state::{PositionF32, PositionF64, StateHeader},
 };
 
 /// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
@@ -120,14 +120,44 @@ pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, Event
         .create()
 }
 
-/// Creates a state service.
+/// Positions that a state service can carry.
 ///
-/// # Errors
-/// The error of iceoryx2.
-pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
-    node: &Node<Ipc>,
-    name: &str,
-) -> Result<States<P>, PublishSubscribeCreateError> {
+/// The services of each kind are compiled here once, and not in every crate that opens one.
+pub trait Position: std::fmt::Debug + ZeroCopySend + Sized + 'static {
+    /// Creates a state service.
+    ///
+    /// # Errors
+    /// The error of iceoryx2.
+    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError>;
+
+    /// Opens a state service.
+    ///
+    /// # Errors
+    /// The error of iceoryx2.
+    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError>;
+}
+
+impl Position for PositionF32 {
+    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError> {
+        create_states(node, name)
+    }
+
+    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
+        open_states(node, name)
+    }
+}
+
+impl Position for PositionF64 {
+    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError> {
+        create_states(node, name)
+    }
+
+    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
+        open_states(node, name)
+    }
+}
+
+fn create_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[P]>()
         .user_header::<StateHeader>()
@@ -142,14 +172,7 @@ pub fn create_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
         .create()
 }
 
-/// Opens a state service.
-///
-/// # Errors
-/// The error of iceoryx2.
-pub fn open_states<P: std::fmt::Debug + ZeroCopySend + 'static>(
-    node: &Node<Ipc>,
-    name: &str,
-) -> Result<States<P>, PublishSubscribeOpenError> {
+fn open_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, PublishSubscribeOpenError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[P]>()
         .user_header::<StateHeader>()

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::Node;
-use untangled_transport::{Domain, services::Ipc};
+use untangled_transport::{Domain, node as nodes, services::Ipc};
 
 use super::changes::ChangeDetector;
 
@@ -30,8 +30,7 @@ impl DeadNodes {
     /// Cleans up dead nodes, unless nothing has changed since the last time.
     pub(crate) fn clean_up(&mut self, node: &Node<Ipc>) {
         if !self.changes.is_unchanged() {
-            // The number of nodes that remain is not news: some dead nodes can never be removed.
-            let _ = node.try_cleanup_dead_nodes();
+            nodes::clean_up_dead(node);
         }
         self.last = Instant::now();
     }

@@ -10,11 +10,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
+use iceoryx2::prelude::Config;
 use untangled_transport::{
-    Domain, memory,
+    Domain, memory, node,
     process_id::{self, ProcessId},
-    services::Ipc,
 };
 
 /// Sweeps in which a file must look stale before it is removed: by then dead nodes have been cleaned up several times.
@@ -78,22 +77,15 @@ fn orphans(domain: &Domain) -> Result<Vec<(PathBuf, Vec<ProcessId>)>> {
 
 /// The processes of all nodes that are not known to be dead.
 fn living_processes(config: &Config) -> Result<HashSet<ProcessId>> {
-    let mut living = HashSet::new();
-    Node::<Ipc>::list(config, |node| {
-        if !matches!(node, NodeState::Dead(_)) {
-            living.extend(ProcessId::of(node.node_id().value()));
-        }
-        CallbackProgression::Continue
-    })
-    .map_err(|error| std::io::Error::other(format!("listing nodes: {error:?}")))?;
-    Ok(living)
+    let ids = node::living(config).map_err(|error| std::io::Error::other(format!("listing nodes: {error:?}")))?;
+    Ok(ids.into_iter().filter_map(ProcessId::of).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use std::fs;
 
-    use iceoryx2::prelude::{NodeBuilder, SignalHandlingMode};
+    use iceoryx2::prelude::SignalHandlingMode;
     use untangled_transport::lock::WipeOnLeave;
 
     use super::*;
@@ -104,9 +96,7 @@ mod tests {
         let domain = Domain::new("stale", Some(&base), rustix::process::getuid().as_raw()).unwrap();
         domain.create_folders().unwrap();
         let config = domain.config().unwrap();
-        let node =
-            NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled).create::<Ipc>();
-        let node = node.unwrap();
+        let node = node::create(&config, SignalHandlingMode::Disabled).unwrap();
         let mut child = std::process::Command::new("true").spawn().unwrap();
         let dead = (u128::from(child.id()) << 64) | 7;
         child.wait().unwrap();

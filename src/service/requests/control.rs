@@ -8,7 +8,7 @@ use iceoryx2::{
 };
 use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, limits, names};
 use untangled_transport::{
-    memory,
+    memory, node as nodes,
     services::{self, Control, Event, Ipc},
 };
 
@@ -117,7 +117,7 @@ fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
             Err(error) => {
                 tracing::debug!(%error, attempt, "trying again");
                 std::thread::sleep(Duration::from_millis(100));
-                let _ = node.try_cleanup_dead_nodes();
+                nodes::clean_up_dead(node);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use iceoryx2::{
     port::{notifier::Notifier, publisher::Publisher, subscriber::Subscriber},
-    prelude::{EventId, Node, PortFactory, ZeroCopySend},
+    prelude::{EventId, Node, PortFactory},
     sample::Sample,
 };
 use untangled_proto::{
@@ -11,7 +11,7 @@ use untangled_proto::{
 };
 use untangled_transport::{
     Domain, memory,
-    services::{self, CorrectionService, Event, Ipc, States},
+    services::{self, CorrectionService, Event, Ipc, Position, States},
 };
 
 use untangle::{frame::Frame, mesh::Mesh};
@@ -34,7 +34,7 @@ pub(crate) enum StatePort {
 
 /// A subscriber, dropped before its service. The service knows whether there is a publisher.
 #[derive(Debug)]
-pub(crate) struct Subscription<P: std::fmt::Debug + ZeroCopySend + 'static> {
+pub(crate) struct Subscription<P: Position> {
     subscriber: Subscriber<Ipc, [P], StateHeader>,
     service: States<P>,
 }
@@ -84,9 +84,9 @@ impl StatePort {
     }
 }
 
-impl<P: std::fmt::Debug + ZeroCopySend + 'static> Subscription<P> {
+impl<P: Position> Subscription<P> {
     fn create(node: &Node<Ipc>, name: &str) -> Result<Self, ServeError> {
-        let service = services::create_states(node, name)
+        let service = P::create_states(node, name)
             .map_err(|error| ServeError::transport("creating the state service", &error))?;
         let subscriber = service
             .subscriber_builder()

@@ -6,14 +6,14 @@ use iceoryx2::{
     config::Config,
     identifiers::UniqueServerId,
     port::notifier::Notifier,
-    prelude::{CallbackProgression, EventId, Node, NodeBuilder, PortFactory, SignalHandlingMode},
+    prelude::{CallbackProgression, EventId, Node, PortFactory, SignalHandlingMode},
     service::builder::request_response::RequestResponseOpenError as Open,
 };
 use untangled_proto::{ICEORYX2_VERSION, names};
 use untangled_transport::{
     Domain,
     lock::WipeOnLeave,
-    memory,
+    memory, node,
     services::{self, Control, Event, Ipc},
 };
 
@@ -46,10 +46,7 @@ impl Connection {
         // iceoryx2 would wait beyond any deadline for a segment that a killed daemon left unfinished. A running daemon
         // removes such segments itself.
         let _ = memory::remove_unfinished(domain, memory::UNFINISHED_AGE);
-        let node = NodeBuilder::new()
-            .config(config)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<Ipc>()
+        let node = node::create(config, SignalHandlingMode::Disabled)
             .map_err(|error| RequestError::transport("creating a node", &error))?;
         let control = open_control(&node, domain)?;
         if server(&control).is_none() {

@@ -4,15 +4,15 @@ use std::{sync::Arc, time::Instant};
 
 use iceoryx2::{
     port::{listener::Listener, publisher::Publisher, subscriber::Subscriber},
-    prelude::{CallbackProgression, Node, NodeState, PortFactory, ZeroCopySend},
+    prelude::{Node, PortFactory},
 };
 use untangled_proto::{
     CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
     names::{self, SessionService},
 };
 use untangled_transport::{
-    Domain,
-    services::{self, CorrectionService, Ipc},
+    Domain, node,
+    services::{self, CorrectionService, Ipc, Position},
 };
 
 use super::paths::PathsPort;
@@ -97,24 +97,16 @@ impl Link {
     /// Whether the daemon's process is gone. Costs system calls, so it is called only while nothing comes.
     fn is_dead(&mut self) -> bool {
         self.checked = Instant::now();
-        let mut dead = false;
-        let listed = self.service.nodes(|node| {
-            dead |= matches!(node, NodeState::Dead(_));
-            CallbackProgression::Continue
-        });
-        if let Err(error) = listed {
-            tracing::debug!(?error, "listing the nodes of a session");
-        }
-        dead || self.is_closed()
+        node::has_dead_user(&self.service) || self.is_closed()
     }
 }
 
-fn publisher<P: std::fmt::Debug + ZeroCopySend + 'static>(
+fn publisher<P: Position>(
     node: &Node<Ipc>,
     name: &str,
     num_vertices: usize,
 ) -> Result<Publisher<Ipc, [P], StateHeader>, RequestError> {
-    services::open_states::<P>(node, name)
+    P::open_states(node, name)
         .map_err(|error| RequestError::transport("opening the state service", &error))?
         .publisher_builder()
         .initial_max_slice_len(num_vertices)

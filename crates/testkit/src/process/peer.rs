@@ -12,7 +12,7 @@ use untangled_proto::{
     names::{self, SessionService},
     sections::{SectionWriter, id},
 };
-use untangled_transport::services::{self, Control, Ipc};
+use untangled_transport::services::{self, Control, Ipc, Position};
 
 use super::{PATIENCE, TestDomain};
 
@@ -97,8 +97,7 @@ impl RawPeer {
         let name = |service| names::session(reply.instance, reply.session, service);
         let corrections =
             services::open_corrections(&self.node, &name(SessionService::Correction)).expect("it is there");
-        let states =
-            services::open_states::<PositionF32>(&self.node, &name(SessionService::State)).expect("it is there");
+        let states = PositionF32::open_states(&self.node, &name(SessionService::State)).expect("it is there");
         RawSession {
             corrections: corrections.subscriber_builder().create().expect("a port"),
             states: states.publisher_builder().initial_max_slice_len(max_vertices).create().expect("a port"),

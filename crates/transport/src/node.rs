@@ -1,0 +1,54 @@
+//! The nodes of a domain: each process that takes part has one.
+//!
+//! What makes, lists and cleans up nodes reads iceoryx2's records of them, which is much generic code: it is compiled here
+//! once, and not in every crate that calls it.
+
+use iceoryx2::{
+    config::Config,
+    node::{NodeCreationFailure, NodeListFailure},
+    prelude::{CallbackProgression, Node, NodeBuilder, NodeState, PortFactory, SignalHandlingMode},
+};
+
+use crate::services::{CorrectionService, Ipc};
+
+/// Creates the node of this process.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn create(config: &Config, signals: SignalHandlingMode) -> Result<Node<Ipc>, NodeCreationFailure> {
+    NodeBuilder::new().config(config).signal_handling_mode(signals).create::<Ipc>()
+}
+
+/// Removes the ports, services and tags of dead nodes, as far as iceoryx2 can.
+pub fn clean_up_dead(node: &Node<Ipc>) {
+    // The number of nodes that remain is not news: some dead nodes can never be removed.
+    let _ = node.try_cleanup_dead_nodes();
+}
+
+/// The ids of all nodes that are not known to be dead.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn living(config: &Config) -> Result<Vec<u128>, NodeListFailure> {
+    let mut ids = Vec::new();
+    Node::<Ipc>::list(config, |node| {
+        if !matches!(node, NodeState::Dead(_)) {
+            ids.push(node.node_id().value());
+        }
+        CallbackProgression::Continue
+    })?;
+    Ok(ids)
+}
+
+/// Whether a process that uses a service is gone, as far as its nodes can be listed.
+///
+/// Cost: some system calls.
+#[must_use]
+pub fn has_dead_user(service: &CorrectionService) -> bool {
+    let mut dead = false;
+    let _ = service.nodes(|node| {
+        dead |= matches!(node, NodeState::Dead(_));
+        CallbackProgression::Continue
+    });
+    dead
+}
