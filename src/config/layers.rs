@@ -32,8 +32,8 @@ pub struct ConfigFlags {
     pub quality: Option<String>,
 }
 
-/// A configuration file as a layer. Read by the same crate that prints the configuration; figment's own reader would bring
-/// another version of it, and take a missing file for an empty layer.
+/// A configuration file as a layer. Read by the same crate that prints the configuration; figment's own reader would
+/// bring another version of it, and take a missing file for an empty layer.
 struct TomlFile {
     path: PathBuf,
     keys: toml::Table,

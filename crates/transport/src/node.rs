@@ -1,7 +1,7 @@
 //! The nodes of a domain: each process that takes part has one.
 //!
-//! What makes, lists and cleans up nodes reads iceoryx2's records of them, which is much generic code: it is compiled here
-//! once, and not in every crate that calls it.
+//! What makes, lists and cleans up nodes reads iceoryx2's records of them, which is much generic code: it is compiled
+//! here once, and not in every crate that calls it.
 
 use iceoryx2::{
     config::Config,

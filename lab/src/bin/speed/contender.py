@@ -1,7 +1,8 @@
 """Times MeshLib's search for self-collisions on one core, for `lab/src/bin/speed`.
 
-Reads a mesh from a file of 64-bit floats and 32-bit indices; then, for each line on its standard input, refits the tree over all vertices and
-searches once, and prints the processor's milliseconds and the number of pairs that share no vertex.
+Reads a mesh from a file of 64-bit floats and 32-bit indices; then, for each line on its standard input, refits the tree
+over all vertices and searches once, and prints the processor's milliseconds and the number of pairs that share no
+vertex.
 """
 
 import os
