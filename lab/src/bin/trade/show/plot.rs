@@ -1,8 +1,8 @@
 //! Time of a frame against frames to clean, as a picture.
 //!
-//! Written by hand. With `plotters` 0.3 (SVG only, three more crates) the same picture takes 184 lines instead of 210, but
-//! stands on whole pixels, with boxes instead of halos behind its labels and without dashes in its legend; placing labels,
-//! markers and legend has to be written all the same.
+//! Written by hand. With `plotters` 0.3 (SVG only, three more crates) the same picture takes 184 lines instead of 210,
+//! but stands on whole pixels, with boxes instead of halos behind its labels and without dashes in its legend; placing
+//! labels, markers and legend has to be written all the same.
 
 use std::fmt::Write;
 
