@@ -15,25 +15,18 @@
     reason = "a program for developers, whose numbers are small"
 )]
 
-mod advice;
-mod document;
-mod exact;
-mod front;
-mod plot;
-mod report;
-mod run;
-mod setup;
-mod study;
-mod table;
-mod targets;
+mod measure;
+mod show;
 #[cfg(test)]
 mod tests;
 
 use std::{env, error::Error, fs, path::Path};
 
-use document::{Document, Plans};
-use run::Scene;
-use study::Plan;
+use measure::{run::Scene, study::Plan};
+use show::{
+    document::{Document, Plans},
+    report,
+};
 use untangled_publisher::{obj, scenes};
 
 /// Gravity of the generated scenes.

@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
-use super::{Document, GRAVITY_M_S2, Plan, Plans, Scene, generated, report, setup};
+use super::{
+    Document, GRAVITY_M_S2, Plan, Plans, Scene, generated,
+    measure::{run::run, setup},
+    report,
+};
 
 fn plan(names: &[&str]) -> Plan {
     Plan { scenes: generated(names, 1, 0.06).unwrap(), target_edges_m: vec![0.1], limit: 6, repeats: 2 }
@@ -68,7 +72,7 @@ fn a_clean_scene_costs_no_frames() {
     let mut cloth = generated(&["drop"], 1, 0.06).unwrap().remove(0).cloth;
     cloth.positions = cloth.rest_positions.clone();
     let scene = Scene { name: "flat".into(), cloth, gravity_m_s2: GRAVITY_M_S2 };
-    let run = super::run::run(&scene, &setup::Setup::default(), 20).unwrap();
+    let run = run(&scene, &setup::Setup::default(), 20).unwrap();
     assert_eq!((run.clean_at, run.tangled_frames, run.remaining), (Some(0), 0, 0));
 }
 

@@ -1,6 +1,7 @@
 //! When to choose which: the words are fixed, the figures in them are not.
 
-use crate::{document::Document, study::Measured};
+use super::document::Document;
+use crate::measure::study::Measured;
 
 pub(crate) const FINER: &str = "The same scenes with edges half as long, one seed. A step is limited in edges, so that \
                                 forces get weaker the finer the mesh is;\n`max_step_edge_lengths` lifts the limit.";

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::study::{Figures, Measured};
+use crate::measure::study::{Figures, Measured};
 
 /// Rows of cells under a heading.
 #[derive(Clone, Debug, Default)]

@@ -2,12 +2,15 @@
 
 use std::error::Error;
 
-use crate::{
-    exact::{self, POSITIONS},
+use super::{
     front::pareto_front,
-    plot, setup,
-    study::{Measured, Plan, measure},
+    plot,
     table::{self, Table},
+};
+use crate::measure::{
+    exact::{self, POSITIONS},
+    setup,
+    study::{Measured, Plan, measure},
 };
 
 /// On what is measured.

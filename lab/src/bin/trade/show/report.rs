@@ -1,11 +1,11 @@
 //! The document: figures with what is said of them.
 
-use crate::{
+use super::{
     advice,
     document::Document,
-    run::{HELD, REMAINING_AFTER},
     table::{self, Table},
 };
+use crate::measure::run::{HELD, REMAINING_AFTER};
 
 /// The whole document in Markdown, for scenes with edges of `edge_m` metres.
 pub(crate) fn markdown(document: &Document, edge_m: f64, seeds: u64) -> String {

@@ -8,7 +8,8 @@ use std::fmt::Write;
 
 use untangle::settings::Response;
 
-use crate::{front::pareto_front, study::Measured};
+use super::front::pareto_front;
+use crate::measure::study::Measured;
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 600.0;

@@ -2,7 +2,7 @@
 
 use std::{error::Error, time::Duration};
 
-use crate::{
+use super::{
     run::{Run, Scene, run},
     setup::{Setup, Variant},
     targets::{self, TargetErrors},

@@ -18,7 +18,7 @@ use untangled_publisher::{
     solver::{Parameters, Solver},
 };
 
-use crate::setup::{Between, Setup, Wire};
+use super::setup::{Between, Setup, Wire};
 
 /// A scene is clean once it stays so for as many frames more.
 pub(crate) const HELD: usize = 5;

@@ -5,7 +5,7 @@ use std::error::Error;
 use untangle::{frame::Frame, mesh::Mesh, settings::Response, untangler::Untangler};
 use untangled_testkit::generate::mirrored::{CURVES, sheet};
 
-use crate::{run::sent, setup::Setup};
+use super::{run::sent, setup::Setup};
 
 const SIZES: [f64; 2] = [0.5, 1.0];
 
