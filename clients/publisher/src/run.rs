@@ -31,8 +31,9 @@ impl RunOptions {
             return false;
         }
         let count = frame / self.report_every;
-        let is_rare_enough = !self.brief || count == 0 || count.is_power_of_two() && count.trailing_zeros() % 2 == 0;
-        done || frame % self.report_every == 0 && is_rare_enough
+        let is_rare_enough =
+            !self.brief || count == 0 || count.is_power_of_two() && count.trailing_zeros().is_multiple_of(2);
+        done || frame.is_multiple_of(self.report_every) && is_rare_enough
     }
 }
 
