@@ -11,7 +11,7 @@
 use std::{hint::black_box, process::ExitCode, time::Instant};
 
 use cpu_time::ThreadTime;
-use untangled_lab::table::print_header;
+use untangled_lab::table::{print_header, print_text};
 use untangled_testkit::numerics::{Effort, chapters, single};
 
 const HEAD: &str = "# Numbers at their limits
@@ -23,10 +23,10 @@ every correction, path point, condition number and target.
 
 fn main() -> ExitCode {
     let effort = if std::env::args().any(|argument| argument == "--quick") { Effort::Quick } else { Effort::Full };
-    println!("{HEAD}");
+    print_text(HEAD);
     let mut num_broken = 0;
     for chapter in chapters() {
-        println!("## {}\n\n{}\n", chapter.title, chapter.text);
+        print_text(&format!("## {}\n\n{}\n", chapter.title, chapter.text));
         print_header(&["what", "promised", "seen"]);
         for case in chapter.cases {
             let begin = Instant::now();
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
 }
 
 fn single_precision(effort: Effort) {
-    println!("## Single precision inside\n\n{}\n", single::TEXT);
+    print_text(&format!("## Single precision inside\n\n{}\n", single::TEXT));
     print_header(&["centres", "condition", "all in f32", "images in f32", "input in f32", "fit, f64 time / f32 time"]);
     for problem in single::problems(if effort == Effort::Quick { 100 } else { 1000 }) {
         let single::Loss { condition, all, images, input } = problem.loss();

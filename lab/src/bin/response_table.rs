@@ -26,6 +26,7 @@ use untangle::{
     untangler::Untangler,
 };
 use untangled_lab::host::{DT_S, Taken, mesh_of};
+use untangled_lab::table::print_text;
 use untangled_publisher::{
     check::count_edge_face,
     mesh::Cloth,
@@ -159,17 +160,17 @@ fn print_head(markdown: bool, most: usize, edge_m: f64) {
         );
         return;
     }
-    println!(
+    print_text(
         "# What corrections do in a simulator with self-contact\n\nMade by `cargo run --release -p untangled-lab --bin \
-         response_table -- --markdown > docs/results/response.md`; do not edit.\n"
+         response_table -- --markdown > docs/results/response.md`; do not edit.\n",
     );
-    println!(
+    print_text(&format!(
         "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. \
          `before` and `after` are\nedge-face hits by its exact check, which shares no code with the untangler; `steps` \
          is the number of steps to the first clean state,\n`held` whether the next {HELD} were clean too, `stretch` \
          the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and\nresponse of a tangled \
          step, on one machine and to be compared within the table only.\n"
-    );
+    ));
     println!("| scene | method | before | steps | held | after | stretch | ms/step |");
     println!("|---|---|---|---|---|---|---|---|");
 }

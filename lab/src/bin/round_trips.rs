@@ -14,7 +14,7 @@ use rustix::process::Signal;
 use untangled_client::Registration;
 use untangled_lab::{
     daemon::{daemon, serve},
-    table::print_header,
+    table::{print_header, print_text},
 };
 use untangled_testkit::{
     files::repository,
@@ -98,11 +98,11 @@ fn round_trip_us(mut command: Command, domain: &str, folder: &Path) -> f64 {
 }
 
 fn print(scene: &Frames, programs: &[Program], medians: &mut [Vec<f64>]) {
-    println!(
+    print_text(&format!(
         "Round trip of {} vertices, median of {ROUNDS} runs of {REPEATS} frames, from before writing to having the \
          correction\n",
         scene.registration.num_vertices
-    );
+    ));
     print_header(&["client", "microseconds", "ratio to Rust"]);
     let middle = |medians: &mut Vec<f64>| {
         medians.sort_unstable_by(f64::total_cmp);

@@ -15,7 +15,7 @@ use untangle::{
     correspond::{ChartKind, Correspondent},
     settings::Settings,
 };
-use untangled_lab::table::print_header;
+use untangled_lab::table::{print_header, print_text};
 use untangled_testkit::generate::mirrored::{CURVES, Curve, Knowledge, MirroredSheet, sheet};
 
 const EDGES_M: [f64; 3] = [0.1, 0.05, 0.025];
@@ -94,7 +94,7 @@ fn print_head(markdown: bool) {
         "condition",
     ];
     if markdown {
-        println!("{HEAD}");
+        print_text(HEAD);
         print_header(&heading);
     } else {
         println!("{}", heading.join("  "));

@@ -89,7 +89,7 @@ fn make_tables(plan: &Plan) {
         text.push_str(&section);
     }
     if let Some(out) = &plan.out {
-        std::fs::write(out, text).expect("the file can be written");
+        std::fs::write(out, untangled_lab::table::wrapped(&text)).expect("the file can be written");
     }
     assert!(clean, "something was lost: see above");
 }

@@ -10,15 +10,15 @@ use untangled_lab::{
     Failure,
     clock::milliseconds,
     states::{bent, later},
-    table::print_header,
+    table::{print_header, print_text},
 };
 use untangled_testkit::generate::crumpled;
 
 pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
     println!("\n## Two threads, and frames in a second\n");
-    println!(
+    print_text(
         "Whole frames of an untangled sheet by the clock on the wall, which says little where others use the \
-         processors: `cold`, and `coherent` as above. The last column is for two threads.\n"
+         processors: `cold`, and `coherent` as above. The last column is for two threads.\n",
     );
     print_header(&[
         "triangles",

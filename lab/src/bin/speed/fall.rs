@@ -10,7 +10,7 @@ use untangle::{
 use untangled_lab::{
     Failure,
     clock::{milliseconds, timed},
-    table::print_header,
+    table::{print_header, print_text},
 };
 use untangled_testkit::files::{npz::Sequence, shared};
 
@@ -24,11 +24,11 @@ pub(crate) fn table() -> Result<(), Failure> {
         return Ok(());
     };
     let Sequence { frames, faces } = Sequence::read(&file)?;
-    println!(
+    print_text(
         "The frames of `sheet31k_fall30.npz`, a sheet that falls onto itself, in so many steps from one to the next, \
          in a straight line: total of the search on one thread, each frame by a cold search, and frame after frame. In \
          the file itself some vertices move by three to five edges from frame to frame: nothing is kept where it is \
-         more than a sixty-fourth of one.\n"
+         more than a sixty-fourth of one.\n",
     );
     print_header(&["steps", "frames", "pairs", "cold ms", "in sequence ms", "cold / in sequence"]);
     let mesh = Mesh::new(MeshDescription { num_vertices: frames[0].len(), faces, ..MeshDescription::default() })?;

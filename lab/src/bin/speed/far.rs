@@ -11,7 +11,7 @@ use untangled_lab::{
     Failure,
     clock::{milliseconds, timed},
     states::bent,
-    table::print_header,
+    table::{print_header, print_text},
 };
 use untangled_testkit::generate::crumpled;
 
@@ -19,9 +19,9 @@ const RESOLUTION: u32 = 125;
 
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## How far single precision carries\n");
-    println!(
+    print_text(
         "A cold search through 31,250 triangles, with one more as many edges away, on one thread. Proofs in \
-         single precision fail where edges are short beside the whole; doubles and signs then do what they left.\n"
+         single precision fail where edges are short beside the whole; doubles and signs then do what they left.\n",
     );
     print_header(&["edges from end to end", "untangled ms", "tangled ms"]);
     let sheet = crumpled(11, RESOLUTION);

@@ -10,7 +10,11 @@ use untangle::{
     stage::{Stage, StageObserver},
     untangler::Untangler,
 };
-use untangled_lab::{Failure, clock::milliseconds, table::print_header};
+use untangled_lab::{
+    Failure,
+    clock::milliseconds,
+    table::{print_header, print_text},
+};
 use untangled_testkit::generate::{
     Sheet, crumpled_further,
     furrows::{Furrows, folded},
@@ -96,12 +100,12 @@ pub(crate) fn measure_sheet(sheet: &Sheet, num_rounds: usize) -> Result<Measured
 /// The states of the paper's Table 1, as near as generated sheets come to them.
 pub(crate) fn paper_table() -> Result<(), Failure> {
     println!("\n## The paper's Table 1\n");
-    println!(
+    print_text(
         "Generated states with about the paper's numbers, in its columns: triangles, paths, segments and vertices \
          inside; milliseconds for segments, paths (with regions) and fits (with targets). `all` is a whole cold frame, \
          forces included, `next` one that follows another; `paper` the sum of its three columns on a Pentium 4 of 3 \
          GHz. Folded sheets hang through themselves in narrow furrows, as many as the paper has paths; crumpled ones \
-         have wider and fewer regions, of all types.\n"
+         have wider and fewer regions, of all types.\n",
     );
     print_header(&[
         "state",
@@ -165,7 +169,9 @@ fn paper_row(state: &str, sheet: &Sheet, paper: [u32; 4]) -> Result<(), Failure>
 /// Times against the number of paths.
 pub(crate) fn growth_table() -> Result<(), Failure> {
     println!("\n## Growth with the number of paths\n");
-    println!("One sheet of 31,250 triangles, crumpled more and more. Microseconds of a stage for what it works on.\n");
+    print_text(
+        "One sheet of 31,250 triangles, crumpled more and more. Microseconds of a stage for what it works on.\n",
+    );
     print_header(&[
         "paths",
         "segments",

@@ -22,6 +22,7 @@ mod scenes;
 mod search;
 
 use untangled_lab::Failure;
+use untangled_lab::table::print_text;
 
 const RESOLUTIONS: [u32; 5] = [35, 125, 250, 500, 1000];
 
@@ -37,10 +38,10 @@ fn main() -> Result<(), Failure> {
     }
     let resolutions: Vec<u32> = RESOLUTIONS.into_iter().filter(|&resolution| resolution <= largest).collect();
     println!("# How fast frames are\n");
-    println!(
+    print_text(
         "Made by `cargo run --release -p untangled-lab --bin speed > docs/results/speed.md`; do not edit. Times are of \
          one busy machine's processor: read the ratios. What a frame costs more through the daemon, beside a socket, \
-         is in `faults.md` (`cargo run --release -p untangled-lab --bin soak -- round-trip`)."
+         is in `faults.md` (`cargo run --release -p untangled-lab --bin soak -- round-trip`).",
     );
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let wants = |table: &str| only.as_deref().is_none_or(|only| only == table);

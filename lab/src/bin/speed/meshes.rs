@@ -6,7 +6,11 @@ use std::{
 };
 
 use untangle::mesh::Mesh;
-use untangled_lab::{Failure, clock::milliseconds, table::print_header};
+use untangled_lab::{
+    Failure,
+    clock::milliseconds,
+    table::{print_header, print_text},
+};
 use untangled_mesh_io::{concatenate, read_mesh};
 use untangled_testkit::files::shared;
 
@@ -21,9 +25,9 @@ pub(crate) fn table() -> Result<(), Failure> {
     let mut files: Vec<PathBuf> = fs::read_dir(folder)?.flatten().map(|entry| entry.path()).collect();
     files.retain(|file| file.extension().is_some_and(|kind| kind == "obj" || kind == "ply"));
     files.sort();
-    println!(
+    print_text(
         "The meshes of ../shared/data as they are, on one thread; milliseconds of the stages of a cold frame, of all \
-         of it, and of one that follows another in which waves of a hundredth of an edge run through the cloth.\n"
+         of it, and of one that follows another in which waves of a hundredth of an edge run through the cloth.\n",
     );
     print_header(&[
         "mesh", "#Tri", "#Paths", "#Seg", "#In", "search", "paths", "regions", "targets", "response", "all", "next",

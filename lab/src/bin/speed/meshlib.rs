@@ -16,7 +16,7 @@ use untangled_lab::{
     Failure,
     clock::{milliseconds, timed},
     states::bent,
-    table::print_header,
+    table::{print_header, print_text},
 };
 use untangled_testkit::generate::crumpled;
 
@@ -30,16 +30,16 @@ pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
     let python = std::env::var(PYTHON).unwrap_or_else(|_| "python3".to_owned());
     let has = Command::new(&python).args(["-c", "import meshlib, numpy"]).stderr(Stdio::null()).status();
     if !has.is_ok_and(|status| status.success()) {
-        println!(
+        print_text(&format!(
             "Left out: {python} has no packages meshlib and numpy; {PYTHON} names another one (`--only meshlib` makes \
              this part alone)."
-        );
+        ));
         return Ok(());
     }
-    println!(
+    print_text(
         "`findSelfCollidingTriangles` of MeshLib (PyPI, through Python) on one core after a refit of its tree over all \
          vertices, in turns with a cold search here. Pairs that share a vertex are left out of the count: MeshLib \
-         looks at few of them. Its coordinates are of single precision.\n"
+         looks at few of them. Its coordinates are of single precision.\n",
     );
     print_header(&["triangles", "state", "pairs", "MeshLib's pairs", "cold ms", "MeshLib ms", "MeshLib / cold"]);
     for &resolution in resolutions.iter().filter(|&&resolution| resolution <= 500) {

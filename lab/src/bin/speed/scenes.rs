@@ -8,7 +8,11 @@ use untangle::{
     settings::{Response, Settings},
     untangler::Untangler,
 };
-use untangled_lab::{Failure, states::bent, table::print_header};
+use untangled_lab::{
+    Failure,
+    states::bent,
+    table::{print_header, print_text},
+};
 use untangled_publisher::scenes::Scene;
 use untangled_testkit::generate::crumpled_further;
 
@@ -24,11 +28,11 @@ struct Case {
 
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## Only what the scene requires\n");
-    println!(
+    print_text(
         "Microseconds of each stage of a second frame, and the bytes for each triangle that analysis and response keep \
          after the first. A stage that has nothing to do takes less than a microsecond, but for writing a zero for \
          each vertex of the correction. The daemon encodes and publishes paths only for frames on which somebody \
-         listens to them.\n"
+         listens to them.\n",
     );
     print_header(&[
         "scene",

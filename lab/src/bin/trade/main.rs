@@ -27,6 +27,7 @@ use show::{
     document::{Document, Plans},
     report,
 };
+use untangled_lab::table::wrapped;
 use untangled_publisher::{obj, scenes};
 
 /// Gravity of the generated scenes.
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gallery = Plan { scenes: generated(&["gallery"], seeds, edge_m)?, ..plan.clone() };
     let finer = Plan { scenes: generated(&scenes::Scene::SINGLE, 1, 0.5 * edge_m)?, repeats: 1, ..plan.clone() };
     let document = Document::measure(&Plans { main: plan, gallery, finer, resolution: 100 })?;
-    print!("{}", if markdown { report::markdown(&document, edge_m, seeds) } else { document.plain() });
+    print!("{}", if markdown { wrapped(&report::markdown(&document, edge_m, seeds)) } else { document.plain() });
     if let Some(out) = out {
         fs::create_dir_all(&out)?;
         fs::write(Path::new(&out).join("trade.csv"), document.csv())?;
