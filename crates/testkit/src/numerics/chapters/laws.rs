@@ -59,8 +59,8 @@ pub(super) fn chapter() -> Chapter {
     ];
     Chapter {
         title: "Forces, masses and time",
-        text: "A force is in kg m / step^2; `dt_s` enters only where it is put on the wire (`src/service/publish.rs`). \
-               `dt_s` below 1e-9 or above 1e9 is refused.",
+        text: "A force is in kg m / step^2; `dt_s` enters only where it is put on the wire \
+               (`src/service/session/publish.rs`). `dt_s` below 1e-9 or above 1e9 is refused.",
         cases,
     }
 }
