@@ -64,13 +64,13 @@ impl Taken {
         self.no_contact.extend(corrections.flags.iter().map(mask));
     }
 
-    /// Forgets the values.
+    /// Clears the values.
     pub fn drop_values(&mut self) {
         self.velocity_change_m_s.clear();
         self.displacement_m.clear();
     }
 
-    /// Forgets the mask: contacts are on everywhere.
+    /// Clears the mask: contacts are on everywhere.
     pub fn drop_mask(&mut self) {
         self.no_contact.clear();
     }

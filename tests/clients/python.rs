@@ -1,6 +1,6 @@
 //! The Python package, with the extension of this build, against a real daemon.
 //!
-//! The package is laid out by hand, from the library that cargo built; the checks of every change install it with pip.
+//! The package is assembled by hand, from the library that cargo built; the checks of every change install it with pip.
 //! Numpy and pytest come from PyPI into a virtual environment below the target folder, once.
 
 use untangled_publisher::scenes::Scene;

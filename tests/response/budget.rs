@@ -58,7 +58,7 @@ fn scene() -> (Arc<Mesh>, Frame) {
     (Arc::new(mesh), frame)
 }
 
-/// The strips with forces, the first strip as bit 1, and what was left out.
+/// The strips with forces, the first strip as bit 1, and the pairs that were left out.
 fn answer(response: Response, questions: usize) -> (u32, LeftOut, usize) {
     let (mesh, frame) = scene();
     let settings = Settings { response, ..Settings::default() };

@@ -59,7 +59,7 @@ fn relax_on_each_path_type_separates_without_crushing_faces() {
     }
 }
 
-/// A sheet crumpled so much that no motion of its paths helps.
+/// A sheet crumpled so much that no trial displacement helps.
 fn crumple() -> Sheet {
     let mut sheet = Sheet::default();
     sheet.add_grid([0.0, 1.0], [0.0, 1.0], [20, 20], deeply_crumpled(1, 2.2));

@@ -11,7 +11,7 @@ pub struct Cloth {
     /// Where the vertices are, `num_vertices x 3`.
     pub positions: Vec<Vec3>,
     /// Where they are at rest, without any force, `num_vertices x 3`. Only lengths and angles within a triangle and its
-    /// neighbours are used, so a flat layout will do.
+    /// neighbours are used, so a flat layout suffices.
     pub rest_positions: Vec<Vec3>,
     /// Vertex indices, `num_triangles x 3`.
     pub triangles: Vec<[u32; 3]>,

@@ -1,6 +1,6 @@
 //! What the tests, benchmarks and measurements of untangled share.
 //!
-//! | room | what |
+//! | module | what |
 //! |---|---|
 //! | [`generate`] | meshes and positions: sheets, folds, fans, every degenerate kind |
 //! | [`judge`] | what an answer is held against: brute force, rules, summaries |

@@ -1,4 +1,4 @@
-//! Plane and space geometry that several rooms need in the same arithmetic, operation by operation: numbers, never
+//! Plane and space geometry that several modules need in the same arithmetic, operation by operation: numbers, never
 //! decisions.
 
 use nalgebra::{Point, Point2, Point3, Vector2, Vector3};

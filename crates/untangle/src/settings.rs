@@ -78,7 +78,7 @@ pub enum Response {
     Rbf,
     /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
     Contour,
-    /// Straight displacement to the targets, more than half of the way in one step: for repairs, not for simulations,
+    /// Displacement towards the targets, by more than half of the distance in one step: for repairs, not simulations,
     /// since it keeps no momentum. Paths without targets get forces.
     Displacement,
     /// One displacement field for all paths together that changes the shape of the cloth least: for repairs, like

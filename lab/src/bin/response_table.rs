@@ -7,9 +7,9 @@
 //! docs/results/response.md
 //! ```
 //!
-//! The host is the simulator of `clients/publisher`, whose contact defends whatever side a vertex is on; the judge is
-//! its exact check, which shares no code with the untangler. Files (OBJ) are run with the shape of the file as rest
-//! shape, without gravity.
+//! The host is the simulator of `clients/publisher`, whose contact keeps each vertex on its side, right or wrong; the
+//! judge is its exact check, which shares no code with the untangler. Files (OBJ) are run with the shape of the file as
+//! rest shape, without gravity.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 use std::{

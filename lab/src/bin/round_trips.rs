@@ -33,7 +33,7 @@ fn main() {
     {
         return serve(domain);
     }
-    // A flat sheet of 16,129 vertices: nothing to untangle, so that the way there and back is what is measured.
+    // A flat sheet of 16,129 vertices: nothing to untangle, so that the round trip alone is measured.
     let registration: Registration = sheet(126);
     let mut state = vec![[0.0; 3]; registration.num_vertices];
     fill_flat(&mut state);

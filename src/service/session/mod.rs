@@ -8,9 +8,8 @@
 //!                                 Again    (done, and to the end of the queue)
 //! ```
 //!
-//! The thread that waits for events moves a session out of idle, and the worker that has it moves it back. So a
-//! session's
-//! [`Work`] belongs to one worker at a time, and no state is overlooked.
+//! The thread that waits for events moves a session out of idle, and the worker that has it moves it back. So the
+//! [`Work`] of a session belongs to one worker at a time, and no state is overlooked.
 
 mod clock;
 pub mod ingest;

@@ -1,5 +1,5 @@
-//! Input that is not in general position, or hardly a mesh: the answer is still complete, and the same whatever the
-//! order of faces and corners.
+//! Input that is not in general position, or hardly a mesh: the answer is still complete, and the same for any order of
+//! faces and corners.
 
 use proptest::{prelude::*, test_runner::RngSeed};
 use rand::{RngExt, SeedableRng};

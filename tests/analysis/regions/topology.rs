@@ -62,7 +62,7 @@ fn regions_of_two_hem_to_hem_paths_divide_the_tube_together() {
         assert_eq!(pair_types(&analysis), [PairType::BoundaryBoundaryBoundaryBoundary]);
         let [first, second] = [0, 1].map(|copy| analysis.regions.by_copy[copy].clone().unwrap());
         assert!(first.partitioning && second.partitioning);
-        // Together they part the lobes; what is inside stands on the first.
+        // Together they separate the lobes; the first carries the region of both.
         let is_near = |vertex: &usize| sheet.uvs[*vertex][0] < 0.5 * TAU;
         let expected: BTreeSet<usize> = (0..sheet.uvs.len()).filter(|vertex| is_near(vertex) == (near < far)).collect();
         assert_eq!(inside(&analysis, 0), expected);
@@ -72,7 +72,7 @@ fn regions_of_two_hem_to_hem_paths_divide_the_tube_together() {
 
 #[test]
 fn region_of_one_hem_to_hem_path_does_not_divide_the_tube() {
-    // A tube slit open by nothing, and a strip through it from hem to hem.
+    // A tube without a slit, and a strip through it from hem to hem.
     let mut sheet = Sheet::default();
     let columns = 17u32;
     for row in 0..=8u32 {

@@ -3,7 +3,7 @@
 //!
 //! Tested are all pairs of an edge and a triangle without a common vertex, as closed sets: touching counts. Every
 //! decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*. There is
-//! no perturbation and no tolerance. Candidates come from a sweep along one axis, whose comparisons are exact too.
+//! no perturbation and no tolerance. Pairs come from a sweep along one axis, whose comparisons are exact too.
 
 mod primitive;
 #[cfg(test)]

@@ -128,7 +128,7 @@ fn answer_while_writing(
     })
 }
 
-/// A float of any kind, often one that hurts.
+/// A float of any kind, often an extreme one.
 fn wild(rng: &mut StdRng) -> f64 {
     let special =
         [0.0, -0.0, f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MIN_POSITIVE, f64::MAX, 1e-300, 1e-9, 1e9, 1.0];

@@ -113,7 +113,7 @@ fn params_cases() -> Vec<Request> {
     all.into_iter().map(|params| section_case(id::PARAMS, Some(params.to_bytes().to_vec()))).collect()
 }
 
-/// Each section missing, of every wrong length, and with every number that hurts.
+/// Each section missing, of every wrong length, and with every extreme number.
 fn section_cases() -> Vec<Request> {
     let mut cases = Vec::new();
     for section in 1..=9 {

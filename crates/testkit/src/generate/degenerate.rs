@@ -64,7 +64,7 @@ fn zero_area() -> Sheet {
     let mut sheet = Sheet::default();
     sheet.add_grid([-1.0, 1.0], [-1.0, 1.0], [5, 5], |x, y| [x, y, 0.01 * x]);
     sheet.add_grid([-0.5, 0.6], [-0.5, 0.6], [3, 3], |x, z| [x, 0.1 * x, z]);
-    // A column pulled onto the next, and a corner that is a point.
+    // A column moved onto the next, and a corner that is a point.
     for row in 0..6 {
         sheet.positions[6 * row + 2] = sheet.positions[6 * row + 1];
     }

@@ -17,7 +17,7 @@ pub fn check(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
     regions_are_bounded_by_their_paths(mesh, analysis);
 }
 
-/// Checks the rules that hold for any mesh whatsoever.
+/// Checks the rules that hold for any mesh.
 pub fn check_paths(mesh: &Mesh, frame: &Frame, analysis: &Analysis, size: f64) {
     segments(mesh, analysis);
     every_segment_lies_on_one_path(analysis);
@@ -145,7 +145,7 @@ fn copies_correspond_point_by_point(analysis: &Analysis) {
             assert!(there.eq(here), "copies {at} and {} differ", copy.partner);
             assert_eq!(lengths, paths.arclengths_m(other).collect::<Vec<_>>());
         } else if copy.path_type != PathType::Closed {
-            // Folded: the way back is the way there.
+            // Folded: the path returns through the same points in reverse order, its sheets exchanged.
             let there = points.iter().map(|point| (point.position, point.own, point.partner));
             let back = points.iter().rev().map(|point| (point.position, point.partner, point.own));
             assert!(there.eq(back), "copy {at} does not fold back onto itself");

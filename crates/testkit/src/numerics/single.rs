@@ -48,7 +48,7 @@ pub struct Loss {
     pub input: f64,
 }
 
-/// Rings, lines with centres beside them, bare arcs, and pairs of centres.
+/// Circles, lines with centres beside them, bare arcs, and pairs of centres.
 pub fn problems(largest: u32) -> Vec<Problem> {
     let mut problems = Vec::new();
     for count in [10, 30, 100, 300, 1000].into_iter().filter(|&count| count <= largest) {

@@ -70,7 +70,7 @@ pub fn client_main(domain: &str, role: &str) {
         say("registering");
         let mut session = match client.register(cloth.registration()) {
             Ok(session) => session,
-            // The sessions of the dead count until they are cleaned up behind.
+            // Sessions of killed clients count until they are cleaned up.
             Err(RegisterError::Request(RequestError::Refused { status: Status::TooManySessions, .. })) => {
                 std::thread::sleep(Duration::from_millis(20));
                 continue;

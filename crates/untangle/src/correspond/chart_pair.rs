@@ -7,7 +7,7 @@ use super::{
 };
 use crate::mesh::VertexId;
 
-/// Rings of faces round a path and its region in its own chart.
+/// Width of the k-ring round a path and its region in the path's own chart.
 const RINGS_ROUND_REGION: usize = 1;
 /// A chart stops growing at this many faces; targets beyond it are moved to its outline.
 const MAX_FACES: usize = 40_000;
@@ -88,7 +88,7 @@ impl ChartPair {
     }
 }
 
-/// How many rings of faces a region reaches from its path, at 1.5 rings for each edge length.
+/// The width of the k-ring of a path that holds its region, at 1.5 rings for each edge length.
 fn depth_in_rings(region: &[VertexId], chart: &Chart, path: &LiftedPath, edge_length_m: f64) -> usize {
     let distances = region.iter().filter_map(|&vertex| Some(path.nearest_copy(chart, chart.vertex(vertex)?).1));
     let depth = distances.filter(|distance| distance.is_finite()).fold(0.0, f64::max);

@@ -1,5 +1,5 @@
-//! Finds the correspondences of all paths of a frame, step by step: charts, lifts, sides, fit, separations,
-//! attractions.
+//! Finds the correspondences of all paths of a frame, step by step: charts, lifted paths, sides, fit, separation
+//! constraints, attractions.
 
 use nalgebra::Point3;
 
@@ -68,7 +68,7 @@ impl Correspondent {
         &self.correspondences
     }
 
-    /// Forgets the correspondences of the last frame.
+    /// Clears the correspondences of the last frame.
     pub(crate) fn clear(&mut self) -> &Correspondences {
         self.correspondences.paths.clear();
         self.correspondences.attractions.clear();

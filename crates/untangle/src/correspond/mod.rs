@@ -6,7 +6,7 @@
 //! points. On the path itself source and target coincide; there a [`SeparationConstraint`] gives the limit of the
 //! direction from source to target, in which the two sheets have to separate.
 //!
-//! | room | technique |
+//! | module | technique |
 //! |---|---|
 //! | `charts` | patches unfolded into the plane, cut open if they close on themselves, or as-rigid-as-possible |
 //! | `linalg` | sparse Cholesky factorisation; the saddle-point system of a fit |

@@ -4,7 +4,7 @@
 //! intersect do so along one [`Segment`], between two of these or between one and a vertex that the faces share, the
 //! *loop vertex*.
 //!
-//! A frame goes through these rooms, each of which uses the ones above it only:
+//! A frame goes through these modules, each of which uses the ones above it only:
 //!
 //! - `bvh`: broad phase, pairs of faces whose boxes overlap or come within a margin;
 //! - `filter`: separating-axis test of pairs and injectivity test of vertex stars, in floating point with error bounds;

@@ -49,8 +49,8 @@ impl<'a> FanOrder<'a> {
         Self { fan, ranks }
     }
 
-    /// The direction in which a path leaves the vertex: the place of its face in the fan and the part of the way across
-    /// this face.
+    /// The direction in which a path leaves the vertex: the place of its face in the fan, and where it meets the side
+    /// opposite the vertex, from 0 to 1.
     ///
     /// `towards` is the first point of the path after the vertex; it lies in `face`.
     pub(crate) fn direction(

@@ -2,7 +2,7 @@
 //!
 //! Simulation of simplicity (Edelsbrunner and Mücke 1990): every vertex is moved, symbolically, by an infinitesimal
 //! amount that depends on its index alone. On the moved input no four points lie in a plane, so that a sign is never
-//! zero, and all signs together belong to *one* input: whatever is derived from them is consistent. The sign of the
+//! zero, and all signs together belong to *one* input: all that is derived from them is consistent. The sign of the
 //! unmoved determinant is found by adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly
 //! zero, the sign of the first coefficient of the perturbation that does not vanish decides.
 //!

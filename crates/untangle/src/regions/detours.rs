@@ -22,7 +22,7 @@ pub(crate) struct BoundaryDetours {
 
 impl BoundaryDetours {
     /// Whether each of two corresponding paths of one piece joins two different boundaries of it, from end to end or
-    /// with a short detour at its ends. Such a path never separates its piece by itself.
+    /// with a short detour at its ends. Such a path never separates its piece alone.
     ///
     /// Cost: the length of a boundary.
     pub(crate) fn join_two_boundaries(&mut self, view: &FrameView<'_>, copies: [usize; 2]) -> bool {

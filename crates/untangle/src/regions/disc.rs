@@ -8,7 +8,7 @@
 //! unfolding continues across seams of the texture. The radius is known only when the unfolding reaches the nearer end
 //! of the path, so the whole disc is unfolded.
 //!
-//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no way inside of it leads
+//! The ends of the path lie on the rim of the disc, or beyond it. The disc is convex, so that no walk inside it leads
 //! round an end: a free end needs no extension to the rim to keep the sides apart.
 //!
 //! Each face keeps the similarity that placed it, and its neighbours continue from that: so errors add up from face to
@@ -273,7 +273,7 @@ fn local_coordinates(mesh: &Mesh, frame: &Frame, face: FaceId) -> [Vector2<f64>;
     local
 }
 
-/// A triangle laid into the plane: its first corner in the origin, its second on the axis of x, its third at or above
+/// A triangle in a plane of its own: its first corner in the origin, its second on the axis of x, its third at or above
 /// it.
 fn flat_triangle([a, b, c]: [Point3<f64>; 3]) -> [Vector2<f64>; 3] {
     let (along, to_c) = (b - a, c - a);

@@ -32,7 +32,7 @@ pub(crate) struct FillRules<'a> {
     /// Weights that decide where both sums are exactly the same.
     pub(crate) tie_weight: &'a dyn Fn(VertexId) -> f64,
     /// The end of a crossed edge to the left of the path, if that is known: it tells the sides apart on parts of the
-    /// path that no way inside the allowed vertices connects.
+    /// path that no edges between allowed vertices connect.
     pub(crate) left: &'a dyn Fn(EdgeId) -> Option<VertexId>,
 }
 
@@ -129,7 +129,7 @@ impl Flood {
                 return Partition::TwoSides;
             }
             if exhausted == [true; 2] {
-                // A part of the path is left that no way inside the allowed vertices connects with the others.
+                // A part of the path is left that no edges between allowed vertices connect with the others.
                 let unseen = odd_edges.iter().find(|&&edge| !self.is_seen(edge));
                 let known = unseen.and_then(|&edge| Some((edge, (rules.left)(edge)?, left_side?)));
                 let Some((edge, left, left_side)) = known else { return Partition::Connected };

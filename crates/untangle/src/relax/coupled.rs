@@ -15,7 +15,7 @@ use crate::{
     mesh::{Mesh, VertexId},
 };
 
-/// Rings round the constraints that may move.
+/// Width of the k-ring round the constraints that may move.
 const RINGS: usize = 10;
 /// The root of this is the length, in edges, over which a displacement decays.
 const STIFFNESS: f64 = 16.0;
@@ -39,8 +39,10 @@ impl CoupledStep {
     ///
     /// The least change of the present shape, as rigid as possible, that takes every point inside to the other side of
     /// the sheet it penetrated, and makes paths without an inside shorter. Paths that are marked as cut off by a
-    /// deadline have no constraints. Momentum is not kept. Cost: some factorisations
-    /// of a sparse system over the vertices near the paths; it allocates, and no deadline ends it once begun.
+    /// deadline have no constraints. Momentum is not kept.
+    ///
+    /// Cost: some factorisations of a sparse system over the vertices near the paths; it allocates, and no deadline
+    /// ends it once begun.
     pub fn step(
         &mut self,
         mesh: &Mesh,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`settings`](RelaxSettings), [`outcome`](Relaxation) | what a caller chooses, and gets |
 //! | `energy` | what a displacement costs: as rigid as possible, bending |
-//! | `constraints` | what it has to satisfy: separations from the paths, strain limits |
+//! | `constraints` | what it has to satisfy: separation constraints from the paths, strain limits |
 //! | `step` | one step: the displacement, contacts, line search, islands of coupled contours |
 //! | `plan` | which displacements are tried, and in which order of plans |
 //! | `relaxer` | the state of a relaxation under way |

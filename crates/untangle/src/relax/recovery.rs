@@ -10,7 +10,7 @@ use super::{
 
 /// The most steps.
 const MAX_STEPS: usize = 4;
-/// Rings round the vertices that are away from their rest positions that may move.
+/// Width of the k-ring that may move, round the vertices that are away from their rest positions.
 const RINGS: usize = 2;
 /// Gap that is kept where sheets were separated, in mean edge lengths.
 const GAP: f64 = 0.2;
@@ -19,7 +19,8 @@ const SMALL_STRAIN: f64 = 0.05;
 /// Stiffnesses of the trials.
 const STIFFNESSES: [f64; 2] = [16.0, 256.0];
 
-/// Recovers some of the input's shape from a clean state, with all separations held. True if `progress` ended it.
+/// Recovers some of the input's shape from a clean state, with all separation constraints held. True if `progress`
+/// ended it.
 pub(super) fn recover_shape(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
     relaxer.islands.clone_from(&relaxer.first_islands);
     relaxer.now.clear();

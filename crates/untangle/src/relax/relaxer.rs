@@ -91,8 +91,7 @@ impl<'a> Relaxer<'a> {
         self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
     }
 
-    /// Finds the islands of the present state, each with the vertices within `reach` more rings, and how tangled they
-    /// are.
+    /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.
     pub(super) fn measure_islands(&mut self, reach: usize) {
         let analysis = self.analyser.last();
         self.islands.find(self.mesh, analysis, reach);

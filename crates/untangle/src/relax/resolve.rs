@@ -16,7 +16,7 @@ use crate::{
     sparse_map::SparseMap,
 };
 
-/// Rings round the constraints that may move.
+/// Width of the k-ring round the constraints that may move.
 const RINGS: usize = 14;
 /// The part of the rest shape in the edges that are kept, from the second iteration on.
 const REST_WEIGHT: f64 = 0.3;

@@ -62,7 +62,7 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> usize {
     let many = is_beyond_trials(found.edge_face.len());
     let wanted = relaxer.analysis_settings.inside;
     if many {
-        // It finds the same islands, and of so many paths the other choice takes minutes.
+        // The size of the largest island needs no better choice, and of so many paths the others take minutes.
         relaxer.analysis_settings.inside = InsideChoice::Count;
     }
     relaxer.analyse();

@@ -4,7 +4,7 @@
 //! At an edge-face intersection `P = (1-t) x0 + t x1 = sum beta_k y_k`, with the unit direction `E` of the edge, the
 //! normal `N` of the face, the sum `R` of the unit directions in which the path leaves `P`, and `c = (E.R) / (E.N)`,
 //! the length changes by `-(1-t)(R - cN)` for `x0`, `-t(R - cN)` for `x1`, `-beta_k c N` for `y_k`; in a loop vertex by
-//! `-R`. All forces at `P` sum up to `-R`, whatever `c` is, so that momenta are kept also where `c` is regularised.
+//! `-R`. All forces at `P` sum up to `-R` for any `c`, so that momenta are kept also where `c` is regularised.
 
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
-//! Direct displacement: every vertex inside moves a part of the way to its target at once.
+//! Direct displacement: every vertex inside moves by a part of the distance to its target at once.
 //!
 //! Section 5.2 of Wicke, Lanker and Gross (2006). They move both sheets of pairs that have two regions; here the other
-//! sheet of a one-sided pair moves towards the inside too, since half the way of one side alone only lengthens the
+//! sheet of a one-sided pair moves towards the inside too, since half the distance on one side alone only lengthens the
 //! path.
 
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ use crate::{
     sparse_map::SparseMap,
 };
 
-/// The part of the way to the target: "somewhat more than half", says the paper.
+/// The part of the distance to the target: "somewhat more than half", says the paper.
 const PART_OF_WAY: f64 = 0.6;
 
 /// Weighted means of displacements, in metres, by vertex.

@@ -7,8 +7,8 @@
 //!
 //! `--subdivide N` splits every triangle in four, N times, before; `--motions N` takes every mesh N times, each under
 //! another random rigid motion and scale. `--crumple N` takes a sheet of N x N squares under random waves of up to F
-//! periods; `--curve` prints what is left after each iteration, `--watch` says it on standard error while it works,
-//! with the seconds since the start.
+//! periods; `--curve` prints the intersections after each iteration, `--watch` does so on standard error while it
+//! works, with the seconds since the start.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod meshes;

@@ -13,7 +13,7 @@ use untangled_publisher::check::count_edge_face;
 /// What is said beside the table.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Show {
-    /// What is left after each iteration.
+    /// The intersections after each iteration.
     pub(crate) curve: bool,
     /// The same on standard error while it works.
     pub(crate) watch: bool,

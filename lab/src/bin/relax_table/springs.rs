@@ -55,7 +55,7 @@ pub(crate) fn springs(mesh: &Mesh, positions: &[[f64; 3]], flat: Option<&Uvs>) -
     springs
 }
 
-/// Distance of the tips of two triangles `a, b, tip` that are laid into one plane on either side of their common edge.
+/// Distance of the tips of two triangles `a, b, tip` that lie in one plane on either side of their common edge.
 fn unfolded_gap(one: [Vector3<f64>; 3], other: [Vector3<f64>; 3]) -> f64 {
     let across = |[p, q, r]: [Vector3<f64>; 3]| {
         let along = (q - p).normalize();

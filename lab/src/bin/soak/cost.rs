@@ -122,7 +122,7 @@ pub(crate) fn idle(programs: Programs) -> String {
     for session in &mut sessions {
         drop(cloth.exchange(session, PATIENCE).expect("an answer"));
     }
-    // Until what was just opened counts as settled.
+    // Until change detection trusts the times of the folders.
     std::thread::sleep(Duration::from_secs(4));
     let before = daemon.ticks();
     std::thread::sleep(Duration::from_secs(10));

@@ -1,4 +1,4 @@
-//! What the way through shared memory costs in time, beside a Unix socket.
+//! Time of a round trip through shared memory, beside a Unix socket.
 
 use std::{
     io::{Read, Write},

@@ -150,7 +150,7 @@ fn masses(effort: Effort, decades: f64, with_zeros: bool) -> Seen {
     Ok(format!("held {count} times{}", if decades > 100.0 { String::new() } else { left }))
 }
 
-/// What is left of all forces and of all torques, as parts of the sums of their lengths.
+/// The net force and the net torque, as parts of the sums of magnitudes.
 fn residuals(frame: &untangle::frame::Frame, corrections: &Corrections) -> [f64; 2] {
     let sum: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
     let centre = Point3::from(sum / frame.positions().len() as f64);

@@ -1,9 +1,9 @@
 //! Unfolding: the shapes of a patch developed into the plane, face against face, along the path first, then outwards.
 //!
-//! A breadth-first spanning tree of the faces is laid out: each face is put against its parent by the similarity of the
-//! plane that makes their common edge agree and leaves them on different sides of it. One rule covers every source of
-//! shapes: texture coordinates without a seam are reproduced, across a seam or a period they go on (also into a panel
-//! that is mirrored or scaled), and lengths give the isometric unfolding.
+//! A breadth-first spanning tree of the faces is unfolded: each face is placed beside its parent by the similarity of
+//! the plane that makes their common edge agree and leaves them on different sides of it. One rule covers every source
+//! of shapes: texture coordinates without a seam are reproduced, across a seam or a period they go on (also into a
+//! panel that is mirrored or scaled), and lengths give the isometric unfolding.
 
 use std::collections::VecDeque;
 

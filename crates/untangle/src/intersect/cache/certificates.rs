@@ -27,7 +27,7 @@ pub(in crate::intersect) const PAIRS_PER_GROUP: usize = 32;
 /// How the next frame is to be searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::intersect) enum Mode {
-    /// Search everything, keep no certificates: the motion is too fast for them to pay.
+    /// Search everything, keep no certificates: displacements are so large that they would expire at once.
     Cold,
     /// Search everything and issue certificates.
     Rebuild,

@@ -1,5 +1,4 @@
-//! Filters in floating-point arithmetic that spare the exact signs: what they prove needs no sign, what they leave open
-//! does.
+//! Floating-point filters before the exact signs: only pairs and vertex stars that they leave undecided need signs.
 //!
 //! - [`separating_axis`]: two triangles have no point in common. In double precision for one pair, for four
 //!   ([`separating_axis_x4`]), and in single precision for eight ([`separating_axis_x8`]).
@@ -7,7 +6,7 @@
 //!   precision for eight vertices ([`vertex_star_x8`]).
 //! - [`one_rings`]: the neighbours of each vertex in turn, on which the test of vertex stars works.
 //!
-//! Each bounds its own rounding errors forward, in place, so that a positive answer is a proof.
+//! Each bounds its own rounding errors forward, in place, so that a positive answer is certain.
 
 mod one_rings;
 mod separating_axis;

@@ -1,9 +1,9 @@
 //! Separating-axis test of two triangles, with a forward error bound.
 //!
 //! If all corners of one triangle lie further along some axis than all corners of the other, the two have no point in
-//! common (Gottschalk, Lin and Manocha 1996). That holds whatever the axis is: a rounded normal is taken as exact, and
-//! only the rounding of the projections onto it has to be bounded (in the manner of Shewchuk 1997). A test that finds
-//! an axis is a proof; one that finds none says nothing.
+//! common (Gottschalk, Lin and Manocha 1996). That holds for any axis: a rounded normal is taken as exact, and only the
+//! rounding of the projections onto it has to be bounded (in the manner of Shewchuk 1997). A test that finds an axis
+//! separates the two for certain; one that finds none decides nothing.
 
 use crate::simd::{Lanes, Scalar};
 

@@ -1,4 +1,4 @@
-//! Normals that agree from face to face, whatever the winding of the input.
+//! Normals that agree from face to face, for any winding of the input.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,4 @@
-//! The energy of the flattening flow: cloth that keeps the shape of each of its triangles and wants to be flat.
+//! The energy of the flattening flow: as rigid as possible for each triangle, plus a penalty on bending.
 //!
 //! Energy of positions `x`: `sum_f E_f(x) + b sum_i (h^2 / A_i) |(L x)_i|^2`, where `E_f` is the as-rigid-as-possible
 //! energy of a triangle, with larger weights for small triangles, `L` the Laplacian of the cotangents alone, `A_i` the

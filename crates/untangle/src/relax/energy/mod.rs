@@ -7,7 +7,7 @@
 //! | `vertex_arap` | ARAP energy with one rotation per vertex: the least change of shape |
 //! | `stiffness` | its quadratic part as a factorised matrix |
 //! | `triangle_arap` | ARAP energy of one triangle, with its rest shape in the plane |
-//! | `flattening` | the energies of all triangles and of bending: cloth that keeps its triangles and wants to be flat |
+//! | `flattening` | the energy of the flattening flow: ARAP of all triangles, and bending |
 
 mod domain;
 mod flattening;

@@ -1,8 +1,8 @@
 //! As-rigid-as-possible energy of single triangles (Liu et al. 2008), each with its rest shape in the plane.
 //!
-//! Energy of a triangle: `sum_k w_k |e_k - R q_k|^2`, where `q` are its rest edges, laid into a plane, `R` is the 3 x 2
-//! matrix with orthonormal columns that fits them best to the present edges `e`, and `w` are cotangents (Pinkall and
-//! Polthier 1993).
+//! Energy of a triangle: `sum_k w_k |e_k - R q_k|^2`, where `q` are its rest edges in its own plane, `R` is the
+//! 3 x 2 matrix with orthonormal columns that fits them best to the present edges `e`, and `w` are cotangents (Pinkall
+//! and Polthier 1993).
 
 use nalgebra::{Matrix3x2, Point3, Vector2, Vector3};
 

@@ -96,7 +96,7 @@ impl ArapEnergy<'_> {
                 let now = frame.position(other) - frame.position(vertex);
                 let wanted = (rotations[local][0] + there[0]) * now * (0.5 * (1.0 - rest_weight))
                     + (rotations[local][1] + there[1]) * rest.edge_vector(vertex, other) * (0.5 * rest_weight);
-                // Pulls `vertex` to where the edge to `other` has the wanted shape.
+                // The force on `vertex` towards the place where the edge to `other` has the wanted shape.
                 force += (now - wanted) * (stiffness * rest.weight(edge) * stiffening[edge.index()]);
             }
             out[local] = force;

@@ -1,4 +1,4 @@
-//! Collision-free steps towards a target state: they keep clean what is clean, and learn which vertices are blocked.
+//! Collision-free steps towards a target state: a clean state stays clean, and blocked vertices are held afterwards.
 
 use nalgebra::Point3;
 
@@ -13,16 +13,16 @@ use crate::{
     relax::energy::Domain,
 };
 
-/// Round vertices that meet something.
+/// Backtracking of vertices whose faces or edges would intersect something.
 const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 10 };
-/// A blocked vertex is held: from the first strength on so many times more after each step that blocks it, and less
-/// after each other one.
+/// How strongly a blocked vertex is held: the first strength, its growth after each further step that blocks the
+/// vertex, its limit, and its decay after each step that does not.
 const FIRST_HOLD: f64 = 0.1;
 const HOLD_GROWTH: f64 = 3.0;
 const MAX_HOLD: f64 = 100.0;
 const HOLD_DECAY: f64 = 0.5;
 
-/// Steps that intersect nothing, with what they learnt.
+/// Steps that intersect nothing, with the holds of blocked vertices.
 pub(crate) struct CollisionFreeStep<'a> {
     mesh: &'a Mesh,
     domain: &'a Domain,
@@ -48,7 +48,7 @@ impl<'a> CollisionFreeStep<'a> {
         }
     }
 
-    /// Moves `positions`, one for each vertex of the mesh, to `target` where nothing is met there, and less far
+    /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing, and less far
     /// elsewhere. False if no step without intersections is left. Cost: one search for intersections for each round of
     /// backtracking.
     pub(crate) fn advance(

@@ -1,8 +1,8 @@
-//! Displacements that are damped where they would do harm, and round it ever less.
+//! Damping: displacements are scaled down at some vertices, and less and less in the k-ring round them.
 
 use crate::{mesh::Mesh, relax::energy::Domain};
 
-/// Rings over which the damping fades out.
+/// Width of the k-ring over which the damping fades out.
 const RINGS: u32 = 6;
 
 /// How a step backtracks: damped vertices get half of their factor in each of so many rounds, and then none in so many

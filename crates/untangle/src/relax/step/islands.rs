@@ -21,7 +21,7 @@ pub(crate) struct Islands {
 
 impl Islands {
     /// Joins the paths of a frame into islands: paths are coupled if the vertices round them, or those inside of them,
-    /// meet. Then extends the labels over `reach` more rings.
+    /// meet. Then extends the labels over the `reach`-ring round them.
     ///
     /// Cost: linear in the vertices that are reached.
     pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, reach: usize) {

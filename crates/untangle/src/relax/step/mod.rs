@@ -1,4 +1,4 @@
-//! One step of the cloth: a displacement that satisfies constraints, made as far as it helps and harms nothing.
+//! One step of the cloth: a displacement that satisfies constraints, shortened by strain limits and a line search.
 //!
 //! | file | purpose |
 //! |---|---|

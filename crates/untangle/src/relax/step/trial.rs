@@ -29,7 +29,7 @@ const CONTACT_ROUNDS: usize = 2;
 const CONTACT_GAP: f64 = 0.3;
 /// Line search: how often a displacement that leaves some island no less tangled is halved.
 const MAX_HALVINGS: usize = 3;
-/// Round vertices beyond a strain limit.
+/// Backtracking of vertices beyond a strain limit.
 const BACKTRACKING: Backtracking = Backtracking { halvings: 3, stops: 7 };
 
 /// How a trial displacement is found.

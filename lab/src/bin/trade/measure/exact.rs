@@ -104,8 +104,8 @@ fn queries(position: Position) -> Vec<[Site; 4]> {
     (0..1000).map(|_| query()).collect()
 }
 
-/// A level sheet and an upright one through the lines of its grid, both turned out of the axes or not; or through the
-/// middle of nothing.
+/// A level sheet and an upright one through the lines of its grid, both turned out of the axes or not; or shifted to
+/// general position.
 fn crossed_sheets(position: Position, n: u32) -> Result<(Mesh, Frame), Box<dyn Error>> {
     let turn = match position {
         Position::Degenerate => Rotation3::identity(),

@@ -134,8 +134,8 @@ pub(crate) fn sent(mut points: Vec<[f64; 3]>, wire: Wire) -> Vec<[f64; 3]> {
     points
 }
 
-/// What is left of momentum and angular momentum, as parts of the sums of lengths. Forces are looked at before the
-/// limit and the pins, as in the correction's header; displacements, of which no such sums are kept, as they are.
+/// Net momentum and net angular momentum, as parts of the sums of lengths. Forces are looked at before the limit and
+/// the pins, as in the correction's header; displacements, of which no such sums are kept, as they are.
 fn residuals(frame: &Frame, corrections: &Corrections, response: Response) -> [f64; 2] {
     let centre: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
     #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]

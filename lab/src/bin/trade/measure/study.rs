@@ -56,7 +56,7 @@ impl Measured {
         [ms_per_frame, frames, remaining, self.targets.map_or(f64::INFINITY, |errors| errors.mean)]
     }
 
-    /// Whether the host asks for every frame: what is left then is the session's choice.
+    /// Whether the host asks for every frame: all other factors are then the session's choice.
     pub(crate) fn asks_always(&self) -> bool {
         self.variant.setup.every == 1
     }
