@@ -20,7 +20,7 @@ const RESOLUTION: u32 = 125;
 pub(crate) fn table() -> Result<(), Failure> {
     println!("\n## How far single precision carries\n");
     print_text(
-        "A cold search through 31,250 triangles, with one more as many edges away, on one thread. Proofs in \
+        "A cold search through 31,250 triangles, with one more as many edges away, on one thread. Filters in \
          single precision fail where edges are short beside the whole; doubles and signs then do what they left.\n",
     );
     print_header(&["edges from end to end", "untangled ms", "tangled ms"]);

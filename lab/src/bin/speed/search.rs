@@ -26,7 +26,7 @@ pub(crate) fn table(resolutions: &[u32]) -> Result<(), Failure> {
         "All intersecting pairs of a frame on one thread. `cold`: without certificates, in the tree that is sorted \
          already. `coherent`: the mean of 100 frames in which the sheet moves on by five edges and waves of a \
          hundredth of an edge run through it; the same bytes come out. `boxes`: parry3d's refit and traversal, without \
-         any test of faces; `parry`: with `do_intersect` for each pair, which proves faces apart as `cold` does but \
+         any test of faces; `parry`: with `do_intersect` for each pair, which filters pairs as `cold` does but \
          takes those that share a vertex pair by pair; all found the same pairs. `bytes`: memory kept for each \
          triangle, cold and coherent together.\n",
     );

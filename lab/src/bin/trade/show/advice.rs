@@ -10,8 +10,8 @@ pub(crate) const DEADLINES: &str = "A deadline ends a frame between pairs of pat
                                     microseconds. All seven scenes side by side, as `balanced`:";
 pub(crate) const EXACT: &str = "Signs are always exact; there is no mode without, since paths could then contradict \
                                 each other. This is what exactness costs: `sign` is one\nsign of four points, `search` \
-                                finds all intersections of two sheets that cross along a line of the grid, from \
-                                nothing. Nearly all signs\nof a generic frame are decided by the filter; what \
+                                finds all intersections of two sheets that cross along a line of the grid, by a \
+                                cold search. Nearly all signs\nof a generic frame are decided by the filter; what \
                                 degenerate input adds is the most that leaving exactness out could save.";
 
 /// What to say of an axis.
