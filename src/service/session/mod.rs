@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The thread that waits for events moves a session out of idle, and the worker that has it moves it back. So the
-//! [`Work`] of a session belongs to one worker at a time, and no state is overlooked.
+//! work of a session belongs to one worker at a time, and no state is overlooked.
 
 mod clock;
 pub mod ingest;
