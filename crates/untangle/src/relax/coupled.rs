@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Width of the k-ring round the constraints that may move.
-const RINGS: usize = 10;
+const COUPLED_RINGS: usize = 10;
 /// The root of this is the length, in edges, over which a displacement decays.
 const STIFFNESS: f64 = 16.0;
 /// Edges that change their length by more than this factor are made stiffer.
@@ -62,7 +62,7 @@ impl CoupledStep {
         if self.constraints.len() == 0 {
             return;
         }
-        self.domain.grow(mesh, self.constraints.vertices(), RINGS);
+        self.domain.grow(mesh, self.constraints.vertices(), COUPLED_RINGS);
         let rest = RestShape::of(mesh, frame);
         let energy = ArapEnergy { mesh, frame, rest: &rest, domain: &self.domain, rest_weight: 0.0 };
         if !self.solver.solve(&energy, STIFFNESS, MAX_STRETCH, &self.constraints, Start::Cold) {

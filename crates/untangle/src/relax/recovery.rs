@@ -11,7 +11,7 @@ use super::{
 /// The most steps.
 const MAX_STEPS: usize = 4;
 /// Width of the k-ring that may move, round the vertices that are away from their rest positions.
-const RINGS: usize = 2;
+const RECOVERED_RINGS: usize = 2;
 /// Gap that is kept where sheets were separated, in mean edge lengths.
 const GAP: f64 = 0.2;
 /// Strains below this logarithm are left alone.
@@ -41,7 +41,7 @@ pub(super) fn recover_shape(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'
 fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
     let Relaxer { mesh, frame, rest, domain, islands, limits, .. } = relaxer;
     let moved = mesh.vertex_ids().filter(|&vertex| rest.position(vertex) != frame.position(vertex));
-    domain.grow(mesh, moved, RINGS);
+    domain.grow(mesh, moved, RECOVERED_RINGS);
     let mut strains = Vec::new();
     island_strains(mesh, domain, islands, limits, frame.positions(), &mut strains);
     if strains.iter().all(|&strain| strain < SMALL_STRAIN) {

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Width of the k-ring round the constraints that may move.
-const RINGS: usize = 14;
+const DOMAIN_RINGS: usize = 14;
 /// The part of the rest shape in the edges that are kept, from the second iteration on.
 const REST_WEIGHT: f64 = 0.3;
 
@@ -34,7 +34,7 @@ pub(super) fn resolve(
     let mut merits: Vec<f64> = Vec::new();
     let mut widen = false;
     for iteration in 0.. {
-        relaxer.measure_islands(2 * RINGS);
+        relaxer.measure_islands(2 * DOMAIN_RINGS);
         let merit = total(&relaxer.now).merit();
         if merit < best.merit {
             *best = BestState { merit, positions: relaxer.frame.positions().to_vec() };
@@ -96,7 +96,7 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     for (trial, settings) in trials.iter_mut().zip(settings) {
         collect(&mut trial.constraints, &source, settings.objective);
     }
-    relaxer.domain.grow(mesh, trials.iter().flat_map(|trial| trial.constraints.vertices()), RINGS);
+    relaxer.domain.grow(mesh, trials.iter().flat_map(|trial| trial.constraints.vertices()), DOMAIN_RINGS);
     mark_passing(mesh, analysis, &mut relaxer.passing);
     relaxer.edge_length_m =
         mean_edge_length(mesh, frame, analysis.paths.segments.iter().map(|segment| segment.own)).unwrap_or(0.0);

@@ -3,7 +3,7 @@
 use crate::{mesh::Mesh, relax::energy::Domain};
 
 /// Width of the k-ring over which the damping fades out.
-const RINGS: u32 = 6;
+const DAMPED_RINGS: u32 = 6;
 
 /// How a step backtracks: damped vertices get half of their factor in each of so many rounds, and then none in so many
 /// more.
@@ -51,11 +51,11 @@ impl Damping {
             self.factors[local] *= factor;
         }
         let mut first = 0;
-        for _ in 0..RINGS {
+        for _ in 0..DAMPED_RINGS {
             let last = self.front.len();
             for index in first..last {
                 let local = self.front[index];
-                let allowed = self.factors[local] + 1.0 / f64::from(RINGS);
+                let allowed = self.factors[local] + 1.0 / f64::from(DAMPED_RINGS);
                 let vertex = domain.vertices()[local];
                 for &edge in mesh.vertex_edges(vertex) {
                     if let Some(next) = domain.local(mesh.opposite_vertex(edge, vertex))

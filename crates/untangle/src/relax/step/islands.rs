@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Paths with a common vertex in their k-rings of this width are coupled.
-const RINGS: usize = 2;
+const ISLAND_RINGS: usize = 2;
 
 /// Islands of paths, and for the vertices round them the island that is nearest.
 #[derive(Clone, Debug, Default)]
@@ -28,13 +28,13 @@ impl Islands {
         self.labels.reset(mesh.num_vertices());
         self.label_paths(mesh, analysis);
         let mut first = 0;
-        for ring in 0..RINGS + reach {
+        for ring in 0..ISLAND_RINGS + reach {
             let last = self.labels.keys().len();
             if first == last {
                 break;
             }
             for index in first..last {
-                self.label_neighbours(mesh, self.labels.keys()[index], ring < RINGS);
+                self.label_neighbours(mesh, self.labels.keys()[index], ring < ISLAND_RINGS);
             }
             first = last;
         }
