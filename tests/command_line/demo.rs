@@ -2,7 +2,8 @@
 
 use std::{fs, process::Command};
 
-use untangled_publisher::{check::count_edge_face, obj};
+use untangled_checker::count_edge_face;
+use untangled_publisher::obj;
 use untangled_testkit::process::untangled;
 
 #[test]

@@ -6,7 +6,7 @@ use untangle::{
     mesh::{Mesh, MeshDescription},
     relax::{Effort, Method, RelaxSettings, Relaxation, relax},
 };
-use untangled_publisher::check::count_edge_face;
+use untangled_checker::count_edge_face;
 use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};
 
 /// One sheet for each kind of path, with the most iterations that it may take.

@@ -20,13 +20,13 @@ use std::{
 };
 
 use thiserror::Error;
+use untangled_checker::CheckError;
 use untangled_client::{
     Client, ClientOptions, ConnectError, Correction, CorrectionHeader, CorrectionKind, ExchangeError, PublishError,
     RegisterError, Registration, Session, StepTime, Uvs, WaitError, flags,
 };
 
 use crate::{
-    check::CheckError,
     mesh::{Vec3, to_f32},
     obj::ObjError,
     solver::{Help, Solver},

@@ -2,7 +2,8 @@
 //!
 //! Read are `v`, `vt` and `f` (polygons as fans, negative indices); all else is skipped. Positions are written so that
 //! they read back to the same bits. This reader shares no code with the untangler, on purpose: together with the [exact
-//! check](crate::check) it judges files that the untangler wrote, and a fault in a shared reader would escape both.
+//! check](untangled_checker) it judges files that the untangler wrote, and a fault in a shared reader would escape
+//! both.
 
 use std::{
     fs,
@@ -190,6 +191,8 @@ pub fn write(path: &Path, cloth: &Cloth) -> Result<(), ObjError> {
 
 #[cfg(test)]
 mod tests {
+    use untangled_checker::{edge_face_hits, face_pairs};
+
     use super::*;
 
     fn read_text(name: &str, text: &str) -> Result<Cloth, ObjError> {
@@ -228,5 +231,22 @@ mod tests {
         assert!(error.ends_with(":2: an index names nothing that stands above: `f 1 2 3`"), "{error}");
         assert!(matches!(read_text("nan", "v 0 nan 0\n"), Err(ObjError::Line { line: 1, .. })));
         assert!(matches!(read_text("empty", "v 0 0 0\n"), Err(ObjError::Empty(_))));
+    }
+
+    #[test]
+    fn face_pairs_of_shared_meshes_have_known_numbers() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+        for (file, expected) in
+            [("tshirt_trifold_3k7.obj", 117), ("tshirt_rest_3k7.obj", 0), ("unisex_shirt_12k7.obj", 0)]
+        {
+            let path = std::path::Path::new(folder).join(file);
+            if !path.exists() {
+                println!("skipped: no {}", path.display());
+                continue;
+            }
+            let cloth = read(&path).unwrap();
+            let hits = edge_face_hits(&cloth.points(), &cloth.triangles).unwrap();
+            assert_eq!(face_pairs(&hits, &cloth.triangles).len(), expected, "{file}");
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 use std::io::Write;
 
+use untangled_checker::{edge_face_hits, face_pairs};
+
 use crate::{
-    check::{edge_face_hits, face_pairs},
     host::{Host, HostError},
     mesh::Cloth,
     report::{Summary, write_brief_header, write_brief_line, write_line},

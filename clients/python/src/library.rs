@@ -14,7 +14,7 @@ use untangle::{
     relax::{Effort, RelaxSettings, relax},
     settings::Settings,
 };
-use untangled_publisher::check::count_edge_face;
+use untangled_checker::count_edge_face;
 
 use crate::bytes::{f64s, of_f64s, of_u32s, u32s};
 

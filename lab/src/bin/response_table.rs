@@ -25,10 +25,10 @@ use untangle::{
     settings::{Response, Settings},
     untangler::Untangler,
 };
+use untangled_checker::count_edge_face;
 use untangled_lab::host::{DT_S, Taken, mesh_of};
 use untangled_lab::table::print_text;
 use untangled_publisher::{
-    check::count_edge_face,
     mesh::Cloth,
     obj,
     scenes::Scene,

@@ -102,7 +102,7 @@ fn gallery(seed: u64, edge_m: f64) -> Cloth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::count_edge_face;
+    use untangled_checker::count_edge_face;
 
     #[test]
     fn build_of_every_scene_is_tangled_pinned_and_reproducible() {

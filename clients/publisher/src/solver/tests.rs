@@ -1,6 +1,7 @@
+use untangled_checker::count_edge_face;
+
 use super::{Help, Parameters, Solver};
 use crate::{
-    check::count_edge_face,
     mesh::{Cloth, Vec3},
     scenes::{Pin, Sheet},
 };

@@ -8,7 +8,7 @@ use untangle::{
     mesh::{Mesh, MeshDescription},
     relax::{Iteration, RelaxSettings, Relaxation, relax},
 };
-use untangled_publisher::check::count_edge_face;
+use untangled_checker::count_edge_face;
 
 /// What is said beside the table.
 #[derive(Clone, Copy, Default)]

@@ -11,9 +11,9 @@ use untangle::{
     stage::{Stage, StageObserver},
     untangler::Untangler,
 };
+use untangled_checker::count_edge_face;
 use untangled_lab::host::{DT_S, Taken, mesh_of};
 use untangled_publisher::{
-    check::count_edge_face,
     mesh::{Cloth, to_f32},
     solver::{Parameters, Solver},
 };
