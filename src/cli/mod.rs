@@ -69,7 +69,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Clean) => ExitCode::SUCCESS,
         Ok(Outcome::Remaining) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("untangled: {error}");
+            outcome::complain(&error);
             ExitCode::from(2)
         }
     }

@@ -5,7 +5,8 @@
 //! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
 //!   other positions, it differs from the file that was read in the coordinates that changed and in no other byte; in
 //!   glTF also in the bounds of positions and in links to buffers that changed.
-//! - Input is not trusted: a header that lies about its lengths costs an error, not memory.
+//! - Input is not trusted: a header that lies about its lengths costs an error, not memory. A glTF document may ask for
+//!   64 bytes of mesh for each of its own, and reads files of its own folder only.
 //!
 //! ```
 //! use untangled_mesh_io::{concatenate, read_mesh};
@@ -32,8 +33,9 @@
 //!
 //! | module | purpose |
 //! |---|---|
+//! | `printable` | text of files as a terminal may show it |
 //! | `error` | why a file was not read or not written |
-//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate` and `mesh_data` |
+//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
 //! | `world` | several files in one world |
@@ -46,6 +48,7 @@ mod file_format;
 mod formats;
 mod mesh_file;
 mod output;
+mod printable;
 #[cfg(test)]
 mod tests;
 mod world;
@@ -53,7 +56,11 @@ mod world;
 pub use contours::{write_contours_obj, write_contours_ply};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use file_format::FileFormat;
-pub use formats::polygon::Polygons;
+pub use formats::{
+    part::{Part, PartName},
+    polygon::Polygons,
+};
 pub use mesh_file::{MeshFile, read_mesh};
 pub use output::{Output, write_obj, write_ply};
+pub use printable::Printable;
 pub use world::{World, concatenate};

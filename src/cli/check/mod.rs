@@ -79,7 +79,7 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
-    let text = if args.json { report.to_json() } else { report.to_string() };
+    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
     Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
 }

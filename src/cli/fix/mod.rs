@@ -50,7 +50,7 @@ use terminal::{Interrupt, Progress};
 pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
     let mut interrupt = Interrupt::listen().map_err(FixError::Signals)?;
     let report = fix(args, &mut relax, &mut interrupt)?;
-    let text = if args.json { report.to_json() } else { report.to_string() };
+    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(FixError::Print)?;
     Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
 }

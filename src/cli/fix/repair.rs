@@ -79,6 +79,7 @@ impl Repair<'_> {
                 error.path.clone_from(&target.path);
                 FixError::ReadBack(error.into())
             })?;
+            output.check_read_back(&positions[vertices.clone()], &mesh).map_err(|source| target.failed(&source))?;
             names.push(target.path.clone());
             meshes.push(mesh);
             staged.push(file);

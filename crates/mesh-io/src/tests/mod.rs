@@ -1,7 +1,9 @@
 //! Files as a user has them: read, refused, and written back.
 
 mod damage;
+mod gltf;
 mod obj;
+mod parts;
 mod ply;
 mod several;
 
