@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use figment::{Figment, providers::Serialized};
 use untangled_proto::{
-    CorrectionKind, Precision, RegisterParams, Status, limits,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, Status, limits, memory,
     sections::{SectionError, Sections, id},
 };
-use untangled_transport::memory;
+use untangled_transport::memory as shared_memory;
 
 use untangle::{
     mesh::{Mesh, MeshDescription, Uvs},
@@ -16,11 +16,17 @@ use untangle::{
 
 use crate::service::{error::Refusal, options::ServeOptions, session::Registered};
 
-/// Reads and validates a registration. `reserved_bytes` of shared memory are promised to other sessions already.
+/// Reads and validates a registration of a session with this layout of samples. `reserved_bytes` of shared memory are
+/// promised to other sessions already.
 ///
 /// # Errors
 /// [`Refusal`] with the element and the value at fault.
-pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64) -> Result<Registered, Refusal> {
+pub fn read(
+    sections: &Sections<'_>,
+    options: &ServeOptions,
+    layout: PayloadLayout,
+    reserved_bytes: u64,
+) -> Result<Registered, Refusal> {
     let params = sections
         .bytes(id::PARAMS)
         .and_then(RegisterParams::from_bytes)
@@ -47,10 +53,10 @@ pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64
         let message = "corrections as forces need the mass of each vertex; send masses, or ask for another kind";
         return Err(Refusal::new(Status::MassesRequired, message));
     }
-    check_memory(num_vertices, precision, reserved_bytes)?;
+    check_memory(memory::session_bytes(num_vertices, precision, layout), reserved_bytes)?;
     let settings = settings(sections, options)?;
     let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
-    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction })
+    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout })
 }
 
 /// The settings of a request, merged over the daemon's own.
@@ -98,9 +104,8 @@ fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescr
     })
 }
 
-fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) -> Result<(), Refusal> {
-    let needed = limits::session_bytes(num_vertices, precision);
-    match memory::free() {
+fn check_memory(needed: u64, reserved_bytes: u64) -> Result<(), Refusal> {
+    match shared_memory::free() {
         Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
             Status::NotEnoughMemory,
             format_args!(

@@ -11,7 +11,7 @@ use std::{
 };
 
 use iceoryx2::prelude::Node;
-use untangled_proto::{Status, sections::Sections};
+use untangled_proto::{PayloadLayout, Status, sections::Sections};
 use untangled_transport::services::Ipc;
 
 use super::registration;
@@ -92,11 +92,11 @@ impl Registry {
     }
 
     /// Opens a session.
-    pub(crate) fn register(&self, sections: &Sections<'_>) -> Result<u64, Refusal> {
+    pub(crate) fn register(&self, sections: &Sections<'_>, layout: PayloadLayout) -> Result<u64, Refusal> {
         static REGISTERED: Throttle = Throttle::new();
         let _place = self.take_place()?;
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
-        let registered = registration::read(sections, &self.options, promised)?;
+        let registered = registration::read(sections, &self.options, layout, promised)?;
         let id = self.num_registered.fetch_add(1, Ordering::Relaxed) + 1;
         let session = Session::create(&self.node, &self.options.domain, self.instance, id, registered)?;
         if let Some(num_suppressed) = REGISTERED.admit() {

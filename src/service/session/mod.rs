@@ -30,7 +30,7 @@ use std::{
 
 use iceoryx2::prelude::Node;
 use untangle::{mesh::Mesh, settings::Settings, untangler::Untangler};
-use untangled_proto::{CorrectionKind, Precision, Status, correction::stage, limits};
+use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, correction::stage, memory};
 use untangled_transport::{Domain, services::Ipc};
 
 use super::{
@@ -63,6 +63,7 @@ pub(crate) struct Session {
     mesh: Arc<Mesh>,
     precision: Precision,
     correction: CorrectionKind,
+    layout: PayloadLayout,
     phase: AtomicU8,
     /// Settings to take over before the next frame.
     settings: Mutex<Option<Settings>>,
@@ -82,12 +83,12 @@ impl Session {
         registered: Registered,
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
-        let Registered { mesh, settings, precision, correction } = registered;
+        let Registered { mesh, settings, precision, correction, layout } = registered;
         let untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
-        let states = StatePort::create(node, instance, id, precision).map_err(internal)?;
-        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices())?;
-        let paths = PathsPort::create(node, instance, id).map_err(internal)?;
+        let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
+        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices(), layout)?;
+        let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
         let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths);
         Ok(Self {
             states,
@@ -96,6 +97,7 @@ impl Session {
             mesh,
             precision,
             correction,
+            layout,
             phase: AtomicU8::new(IDLE),
             settings: Mutex::new(None),
             statistics: Mutex::default(),
@@ -149,7 +151,7 @@ impl Session {
         if self.had_host.load(Ordering::Relaxed) {
             0
         } else {
-            limits::state_segment_bytes(self.mesh.num_vertices(), self.precision)
+            memory::state_segment_bytes(self.mesh.num_vertices(), self.precision, self.layout)
         }
     }
 

@@ -7,7 +7,7 @@ use iceoryx2::{
     prelude::{Node, PortFactory},
 };
 use untangled_proto::{
-    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    CorrectionHeader, PayloadLayout, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
     names::{self, SessionService},
 };
 use untangled_transport::{
@@ -49,8 +49,9 @@ impl Link {
         domain: &Domain,
         reply: &Reply,
         registration: &Registration,
+        layout: PayloadLayout,
     ) -> Result<Self, RequestError> {
-        let needed = registration.state_segment_bytes();
+        let needed = registration.state_segment_bytes(layout);
         check_memory(needed)?;
         let session = reply.header.session;
         let name = |service| names::session(reply.header.instance, session, service);

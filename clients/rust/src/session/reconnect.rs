@@ -46,7 +46,7 @@ impl ReconnectingLink {
         let attempt = || {
             let pending = Pending::send(&connection, RequestKind::Register, 0, &payload, num_sections)?;
             let reply = pending.wait(&connection, deadline)?;
-            Link::open(&connection.node, &connection.domain, &reply, &registration)
+            Link::open(&connection.node, &connection.domain, &reply, &registration, connection.layout)
         };
         let link = loop {
             match attempt() {
@@ -139,7 +139,8 @@ impl ReconnectingLink {
     }
 
     fn open_link(&mut self, reply: &Reply) -> Result<(), PublishError> {
-        let link = Link::open(&self.connection.node, &self.connection.domain, reply, &self.registration);
+        let connection = &self.connection;
+        let link = Link::open(&connection.node, &connection.domain, reply, &self.registration, connection.layout);
         self.state = State::Lost;
         match link {
             // That daemon is gone as well.
