@@ -19,7 +19,7 @@ mod serve;
 mod status;
 mod wording;
 
-use std::process::ExitCode;
+use std::{io::Write, process::ExitCode};
 
 use clap::{Parser, Subcommand};
 
@@ -38,7 +38,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run the daemon until SIGINT or SIGTERM; prints `ready` on standard error when it serves.
+    /// Run the daemon until SIGINT, SIGTERM or SIGHUP; prints `ready` on standard error when it serves.
     Serve(serve::ServeArgs),
     /// Say what a running daemon does: sessions, frames, rates, stage times.
     Status(status::StatusArgs),
@@ -69,7 +69,8 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Clean) => ExitCode::SUCCESS,
         Ok(Outcome::Remaining) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("untangled: {error}");
+            // Nobody may be reading any more.
+            let _ = writeln!(std::io::stderr(), "untangled: {error}");
             ExitCode::from(2)
         }
     }

@@ -120,7 +120,7 @@ impl Inlet {
         };
         let bytes = num_replies * reply_sample_bytes(REPLY_BYTES, layout);
         memory::commit_first(domain, server.id().value(), bytes)
-            .map_err(|source| ServeError::System { what: "taking shared memory for replies", source })?;
+            .map_err(|source| ServeError::System { what: "taking shared memory for replies".to_owned(), source })?;
         Ok(Self { server, layout, _service: service })
     }
 }

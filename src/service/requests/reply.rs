@@ -10,7 +10,7 @@ use untangled_proto::{
     names,
     sections::Sections,
 };
-use untangled_transport::{memory, services::Ipc};
+use untangled_transport::{memory, process_id::ProcessId, services::Ipc};
 
 use super::{registration, registry::Registry, status};
 use crate::service::{
@@ -44,15 +44,15 @@ impl Replier {
 
     /// Does what a request asks for, and replies.
     pub(crate) fn answer(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout) {
-        self.reply(request, header, layout, self.execute(header, request.payload(), layout));
+        self.reply(request, header, layout, self.execute(header, request, layout));
     }
 
     /// Opens the session that a request asks for, and replies.
     pub(crate) fn register(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout) {
-        self.reply(request, header, layout, self.open_session(header, request.payload(), layout));
+        self.reply(request, header, layout, self.open_session(header, request, layout));
     }
 
-    fn execute(&self, header: &RequestHeader, payload: &[u8], layout: PayloadLayout) -> Result<Answer, Refusal> {
+    fn execute(&self, header: &RequestHeader, request: &Request, layout: PayloadLayout) -> Result<Answer, Refusal> {
         if header.protocol_version != PROTOCOL_VERSION {
             let theirs = header.protocol_version;
             return Err(Refusal::new(
@@ -65,7 +65,7 @@ impl Replier {
         let kind = RequestKind::from_code(header.kind).ok_or_else(|| {
             Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
         })?;
-        let sections = sections(header, payload)?;
+        let sections = sections(header, request.payload())?;
         let plain = |text: String| Ok(Answer { session: 0, text });
         match kind {
             RequestKind::Hello => plain(json(&Hello {
@@ -75,7 +75,7 @@ impl Replier {
                 pid: std::process::id(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
-            RequestKind::Register => self.open_session(header, payload, layout),
+            RequestKind::Register => self.open_session(header, request, layout),
             RequestKind::UpdateSettings => {
                 let settings = registration::settings(&sections, self.registry.options())?;
                 self.registry.find(header.session)?.set_settings(settings)?;
@@ -88,8 +88,14 @@ impl Replier {
         }
     }
 
-    fn open_session(&self, header: &RequestHeader, payload: &[u8], layout: PayloadLayout) -> Result<Answer, Refusal> {
-        let session = self.registry.register(&sections(header, payload)?, layout)?;
+    fn open_session(
+        &self,
+        header: &RequestHeader,
+        request: &Request,
+        layout: PayloadLayout,
+    ) -> Result<Answer, Refusal> {
+        let client = ProcessId::of(request.origin().value());
+        let session = self.registry.register(&sections(header, request.payload())?, layout, client)?;
         Ok(Answer { session, text: String::new() })
     }
 
@@ -98,8 +104,8 @@ impl Replier {
             static REFUSED: Throttle = Throttle::new();
             self.registry.count_refused_request();
             if let Some(num_suppressed) = REFUSED.admit() {
-                let (kind, status) = (header.kind, refusal.status);
-                tracing::info!(kind, ?status, reason = %refusal, num_suppressed, "request refused");
+                let (kind, status) = (header.kind, refusal.status.words());
+                tracing::info!(kind, status, reason = %refusal, num_suppressed, "request refused");
             }
         }
         if let Err(error) = self.send(request, header.token, layout, answer) {
@@ -152,7 +158,7 @@ fn check_room(length: usize, layout: PayloadLayout) -> Result<(), ServeError> {
     // Times 2, since samples grow by powers of two. Only the pages that are written to are taken.
     let needed = reply_sample_bytes(2 * length, layout);
     if length > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
-        return Err(ServeError::transport("loaning a reply", &"shared memory is full"));
+        return Err(ServeError::NoRoom { what: "loaning a reply" });
     }
     Ok(())
 }

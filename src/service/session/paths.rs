@@ -60,7 +60,7 @@ impl PathsPort {
         // Times 2, since samples grow by powers of two. Only the pages that are written to are taken.
         let needed = paths_sample_bytes(2 * self.bytes.len(), self.layout);
         if memory::free().is_ok_and(|free| free < needed) {
-            return Err(ServeError::transport("loaning a sample", &"shared memory is full"));
+            return Err(ServeError::NoRoom { what: "loaning a sample" });
         }
         let publisher = match &mut self.publisher {
             Some(publisher) => publisher,

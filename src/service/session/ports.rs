@@ -137,8 +137,9 @@ impl CorrectionPort {
         num_vertices: usize,
         layout: PayloadLayout,
     ) -> Result<Self, Refusal> {
-        let failed =
-            |what, error: &dyn std::fmt::Debug| Refusal::new(Status::Internal, format_args!("{what}: {error:?}"));
+        let failed = |what, error: &dyn std::fmt::Debug| {
+            Refusal::new(Status::Internal, format_args!("{what} failed: iceoryx2 reports {error:?}"))
+        };
         let name = |service| names::session(instance, session, service);
         let event = services::create_session_event(node, &name(SessionService::Event))
             .map_err(|error| failed("creating the session's event", &error))?;
@@ -156,7 +157,7 @@ impl CorrectionPort {
                 Status::NotEnoughMemory,
                 format_args!("{} has no room for the session's corrections: {error}", memory::FOLDER),
             ),
-            _ => failed("taking shared memory", &error),
+            _ => Refusal::new(Status::Internal, format_args!("taking shared memory: {error}")),
         })?;
         Ok(Self { publisher, notifier, _service: service, _event: event })
     }

@@ -42,7 +42,7 @@ impl Connection {
     pub(crate) fn open(domain: &Domain, config: &Config, timeout: Duration) -> Result<Self, ConnectError> {
         // Without a daemon there may be no folder, and a client creates none; or a daemon is about to wipe it.
         if !domain.is_announced() {
-            return Err(no_daemon(domain).into());
+            return Err(RequestError::no_daemon(domain).into());
         }
         domain.check_folders()?;
         // iceoryx2 would wait beyond any deadline for a segment that a killed daemon left unfinished. A running daemon
@@ -52,7 +52,7 @@ impl Connection {
             .map_err(|error| RequestError::transport("creating a node", &error))?;
         let (requests, layout) = open_requests(&node, domain)?;
         if server(&requests).is_none() {
-            return Err(no_daemon(domain).into());
+            return Err(RequestError::no_daemon(domain).into());
         }
         let notifier = services::open_event(&node, names::CONTROL)
             .map_err(|error| RequestError::transport("opening the control event", &error))?
@@ -80,13 +80,11 @@ impl Connection {
     }
 }
 
-fn no_daemon(domain: &Domain) -> RequestError {
-    RequestError::NoDaemon { domain: domain.name().to_owned() }
-}
-
 fn open_requests(node: &Node<Ipc>, domain: &Domain) -> Result<(Requests, PayloadLayout), ConnectError> {
     services::open_requests(node).map_err(|error| match error {
-        Open::DoesNotExist | Open::IsMarkedForDestruction | Open::HangsInCreation => no_daemon(domain).into(),
+        Open::DoesNotExist | Open::IsMarkedForDestruction | Open::HangsInCreation => {
+            RequestError::no_daemon(domain).into()
+        }
         Open::VersionMismatch | Open::ServiceInCorruptedState => ConnectError::Version {
             domain: domain.name().to_owned(),
             reason: format!("this client has iceoryx2 {ICEORYX2_VERSION}, the daemon another version ({error:?})"),

@@ -45,9 +45,7 @@ impl Pending {
         payload: &[u8],
         num_sections: u32,
     ) -> Result<Self, RequestError> {
-        let server = connection
-            .server()
-            .ok_or_else(|| RequestError::NoDaemon { domain: connection.domain.name().to_owned() })?;
+        let server = connection.server().ok_or_else(|| RequestError::no_daemon(&connection.domain))?;
         let needed = memory::request_segment_bytes(payload.len(), connection.layout);
         check_memory(needed)?;
         // Listening begins before the request leaves, so that the reply's event can't be missed.
@@ -98,7 +96,7 @@ impl Pending {
             }
             // Another server is another daemon, which has not seen the request.
             if connection.server() != Some(self.server) {
-                return Err(RequestError::NoDaemon { domain: connection.domain.name().to_owned() });
+                return Err(RequestError::no_daemon(&connection.domain));
             }
             backoff.sleep(&self.listener, left);
         }

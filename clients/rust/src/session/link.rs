@@ -37,6 +37,7 @@ pub(crate) struct Link {
     pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) paths: Option<PathsPort>,
+    pub(crate) opened: Instant,
     /// When the daemon's process was last checked.
     pub(crate) checked: Instant,
     service: CorrectionService,
@@ -81,7 +82,8 @@ impl Link {
         };
         commit_memory(domain, port_id, needed)?;
         let states = Arc::new(states);
-        Ok(Self { session, states, corrections, listener, paths, checked: Instant::now(), service })
+        let opened = Instant::now();
+        Ok(Self { session, states, corrections, listener, paths, opened, checked: opened, service })
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.

@@ -31,6 +31,11 @@ pub(crate) struct ReconnectingLink {
     connection: Arc<Connection>,
 }
 
+/// After this time the daemon has seen the ports of a session: it looks twice a second.
+const SEEN: Duration = Duration::from_secs(1);
+/// Longest wait for the reply to the request that closes a session. Without one the daemon closes it by itself.
+const CLOSE: Duration = Duration::from_millis(20);
+
 #[derive(Debug)]
 enum State {
     Live(Box<Link>),
@@ -155,6 +160,13 @@ impl ReconnectingLink {
 
 impl Drop for ReconnectingLink {
     fn drop(&mut self) {
+        // The daemon may not have seen the ports of a young session, and would wait for them.
+        let young = self.current().filter(|link| link.opened.elapsed() < SEEN).map(|link| link.session);
+        if let Some(session) = young
+            && let Ok(pending) = Pending::send(&self.connection, RequestKind::Close, session, &[], 0)
+        {
+            let _ = pending.poll(&self.connection, Instant::now() + CLOSE);
+        }
         self.state = State::Lost;
         // The daemon checks its sessions whenever it is woken.
         self.connection.wake(names::EVENT_STATE);
