@@ -56,6 +56,26 @@ impl Status {
         self as u32
     }
 
+    /// What it means, in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Ok => "done",
+            Self::UnsupportedProtocol => "unsupported protocol",
+            Self::BadRequest => "bad request",
+            Self::BadMesh => "bad mesh",
+            Self::BadSettings => "bad settings",
+            Self::UnknownSession => "unknown session",
+            Self::TooManySessions => "too many sessions",
+            Self::TooLarge => "too large",
+            Self::NotEnoughMemory => "not enough shared memory",
+            Self::MassesRequired => "masses required",
+            Self::BadPosition => "bad position",
+            Self::BadHeader => "bad header",
+            Self::Internal => "internal: a defect of the daemon",
+        }
+    }
+
     /// The status of a value on the wire, if it is one.
     #[must_use]
     pub fn from_code(code: u32) -> Option<Self> {

@@ -38,7 +38,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run the daemon until SIGINT or SIGTERM; prints `ready` on standard error when it serves.
+    /// Run the daemon until SIGINT, SIGTERM or SIGHUP; prints `ready` on standard error when it serves.
     Serve(serve::ServeArgs),
     /// Say what a running daemon does: sessions, frames, rates, stage times.
     Status(status::StatusArgs),

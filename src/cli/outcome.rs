@@ -16,10 +16,12 @@ pub enum Outcome {
 /// Any error of a command: printed as one line, then exit code 2.
 pub type CliError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Prints the error with which a command ends. Errors quote files, whose control characters are escaped here.
+/// Prints the error with which a command ends. Errors quote files, whose control characters are escaped here. Nobody may
+/// be reading any more, which is no error of its own.
 pub(super) fn complain(error: &CliError) {
     for (number, line) in error.to_string().lines().enumerate() {
-        eprintln!("{}{}", if number == 0 { "untangled: " } else { "" }, Printable(line));
+        let start = if number == 0 { "untangled: " } else { "" };
+        let _ = writeln!(io::stderr(), "{start}{}", Printable(line));
     }
 }
 

@@ -16,8 +16,13 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
     ("[limits]", "What sessions may ask for."),
     ("limits.max_sessions", "Most sessions at a time, 1 to 64."),
+    ("limits.max_sessions_per_client", "Most sessions of one client process at a time, 1 to 64."),
     ("limits.max_vertices", "Most vertices of a session."),
     ("limits.max_faces", "Most faces of a session."),
+    (
+        "limits.max_session_memory_mb",
+        "Most memory of a session in megabytes, estimated from its vertices and faces when it is registered.",
+    ),
     ("[telemetry]", "Logs, on standard error, and metrics."),
     (
         "telemetry.filter",
@@ -29,7 +34,7 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     (
         "settings.response",
         "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to \
-         the targets) or `mask` (flags only).",
+         the targets), `coupled` (all paths together) or `mask` (flags only).",
     ),
     (
         "settings.inside",
