@@ -115,9 +115,9 @@ pub enum PublishError {
     },
 }
 
-/// A frame that the daemon could not use. The session lives on.
+/// A frame that the daemon could not use, or did not finish. The session lives on.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("frame {frame} was refused ({status:?}): vertex {fault_index:?}, value {fault_value}")]
+#[error("{}", words(self))]
 pub struct FrameRefusal {
     /// The frame.
     pub frame: u64,
@@ -127,6 +127,19 @@ pub struct FrameRefusal {
     pub fault_index: Option<u64>,
     /// The value at fault.
     pub fault_value: f64,
+}
+
+fn words(refusal: &FrameRefusal) -> String {
+    let FrameRefusal { frame, status, fault_index, fault_value } = refusal;
+    match status {
+        Status::TooManyIntersections => {
+            format!("frame {frame} was not analysed: more faces intersect than the limit allows, {fault_value} pairs")
+        }
+        Status::OutOfTime => {
+            format!("frame {frame} was not analysed: its {fault_value} us were up before its intersections were found")
+        }
+        _ => format!("frame {frame} was refused ({status:?}): vertex {fault_index:?}, value {fault_value}"),
+    }
 }
 
 /// Why a correction did not come.

@@ -29,8 +29,9 @@ impl Statistics {
             *mean_s += WEIGHT * (interval_s - *mean_s);
         }
         self.num_frames += 1;
-        self.num_refused_frames += u64::from(header.status != Status::Ok.code());
-        self.num_truncated_frames += u64::from(header.flags & TRUNCATED != 0);
+        let is_truncated = header.flags & TRUNCATED != 0;
+        self.num_refused_frames += u64::from(header.status != Status::Ok.code() && !is_truncated);
+        self.num_truncated_frames += u64::from(is_truncated);
         for (sum, ns) in self.stage_ns.iter_mut().zip(header.stage_ns) {
             *sum = sum.saturating_add(ns);
         }
