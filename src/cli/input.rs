@@ -46,6 +46,14 @@ pub enum InputError {
         /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
         source: FrameError,
     },
+    /// More intersects than was asked for.
+    #[error("{files}: more than {limit} pairs of triangles intersect; a larger --max-face-pairs takes more memory")]
+    TooManyFacePairs {
+        /// The files.
+        files: String,
+        /// Most pairs.
+        limit: u64,
+    },
 }
 
 /// Reads all files, in order.
@@ -102,7 +110,7 @@ fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]
     )
 }
 
-fn names(paths: &[PathBuf]) -> String {
+pub(super) fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 

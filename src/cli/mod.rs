@@ -5,6 +5,7 @@
 //! | `outcome` | how a command ends, and printing |
 //! | `wording` | words that reports, tables and pictures share |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `limit` | their analysis, unless too much intersects |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -13,6 +14,7 @@ mod config;
 pub mod demo;
 pub mod fix;
 pub mod input;
+mod limit;
 mod outcome;
 pub mod picture;
 mod serve;

@@ -2,8 +2,21 @@
 
 /// Explains `settings.deadline_us`.
 pub(super) const DEADLINE: &str = concat!(
-    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. ",
+    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first, ",
+    "or the whole frame, where its intersections are not found in time. ",
     "Without it there is no limit."
+);
+
+/// Explains `settings.max_face_pairs`.
+pub(super) const FACE_PAIRS: &str = concat!(
+    "Most pairs of faces that may intersect in a frame; a frame of more is not analysed. ",
+    "Without it: 4 for each face, at least 131072."
+);
+
+/// Explains `settings.max_tested_pairs`.
+pub(super) const TESTED_PAIRS: &str = concat!(
+    "Most pairs of faces whose bounding boxes may overlap in a frame; a frame of more is not analysed. ",
+    "Without it: 512 for each face, at least 67108864."
 );
 
 /// Explains `settings.thickness_m`.
@@ -47,6 +60,8 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ),
     ("settings.max_step_edge_lengths", "Largest correction of a vertex in a step, in mean edge lengths."),
     ("settings.thickness_m", THICKNESS),
+    ("settings.max_face_pairs", FACE_PAIRS),
+    ("settings.max_tested_pairs", TESTED_PAIRS),
     ("settings.deadline_us", DEADLINE),
     ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),
     ("settings.winding", "Whether winding numbers decide what is inside, on closed and oriented pieces."),

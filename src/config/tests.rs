@@ -5,7 +5,13 @@ use super::{Config, ConfigError, ConfigFlags, Telemetry};
 #[test]
 fn explained_of_any_config_explains_every_key_and_reads_back() {
     let config = Config {
-        settings: Settings { thickness_m: Some(0.002), deadline_us: Some(1), ..Settings::default() },
+        settings: Settings {
+            thickness_m: Some(0.002),
+            max_face_pairs: Some(1),
+            max_tested_pairs: Some(1),
+            deadline_us: Some(1),
+            ..Settings::default()
+        },
         ..Config::default()
     };
     let text = config.explained().unwrap();
@@ -17,7 +23,11 @@ fn explained_of_any_config_explains_every_key_and_reads_back() {
         }
     }
     let text = Config::default().explained().unwrap();
-    assert!(text.contains("\n# thickness_m = ") && text.contains("\n# deadline_us = "));
+    assert!(
+        ["thickness_m", "max_face_pairs", "max_tested_pairs", "deadline_us"]
+            .iter()
+            .all(|key| { text.contains(&format!("\n# {key} = ")) })
+    );
     assert_eq!(toml::from_str::<Config>(&text).unwrap(), Config::default());
 }
 

@@ -121,9 +121,9 @@ pub enum PublishError {
     },
 }
 
-/// A frame that the daemon could not use. The session lives on.
+/// A frame that the daemon could not use, or did not finish. The session lives on.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("frame {frame} was refused: {}", self.fault_in_words())]
+#[error("frame {frame} was {}", self.in_words())]
 pub struct FrameRefusal {
     /// The frame.
     pub frame: u64,
@@ -145,16 +145,31 @@ fn precision_in_words(precision: Precision) -> &'static str {
 }
 
 impl FrameRefusal {
+    /// What happened to the frame, and why.
+    fn in_words(&self) -> String {
+        let value = self.fault_value;
+        match self.status {
+            Status::TooManyIntersections => {
+                format!("not analysed: more faces intersect than the limit allows, {value} pairs")
+            }
+            Status::OutOfTime => {
+                format!("not analysed: its {value} us were up before its intersections were found")
+            }
+            _ => format!("refused: {}", self.fault_in_words()),
+        }
+    }
+
     /// What is wrong with the frame.
     fn fault_in_words(&self) -> String {
-        let Self { status, fault_index, fault_value: value, header_field, .. } = self;
-        match (status, fault_index) {
+        let value = self.fault_value;
+        match (self.status, self.fault_index) {
             (Status::BadPosition, Some(vertex)) => {
                 format!(
-                    "vertex {vertex} (counted from 0) has coordinate {value}; coordinates must be finite and at most 2^250"
+                    "vertex {vertex} (counted from 0) has coordinate {value}; coordinates must be finite and at most \
+                     2^250"
                 )
             }
-            (Status::BadHeader, _) => match header_field {
+            (Status::BadHeader, _) => match self.header_field {
                 Some("dt_s") => format!("the step dt_s is {value}; it must be from 1e-9 to 1e9 s"),
                 Some("simulated_s") => format!("the time simulated_s is {value}; it must be finite"),
                 _ => format!("it has {value} positions; there must be as many as registered"),

@@ -16,14 +16,14 @@ use thiserror::Error;
 pub use report::Report;
 
 use untangle::{
-    analysis::{Analyser, Analysis},
-    settings::Settings,
+    analysis::Analysis,
     stage::{Stage, StageObserver},
 };
 use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
     input::{self, Input, InputError, is_same_file},
+    limit::{MAX_FACE_PAIRS, analyse_within},
     outcome::{self, Outcome},
 };
 use report::StageTimes;
@@ -45,6 +45,9 @@ pub struct CheckArgs {
     /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
     #[arg(long, value_name = "FILE")]
     pub contours: Option<PathBuf>,
+    /// End with an error where more pairs of triangles intersect: a million takes half a gigabyte
+    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_face_pairs: u64,
 }
 
 /// Why a check could not be done.
@@ -75,7 +78,7 @@ pub enum CheckError {
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
-    let (report, analysis) = check(&args.files, args.face_pairs)?;
+    let (report, analysis) = check_within(&args.files, args.face_pairs, args.max_face_pairs)?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
@@ -84,21 +87,28 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
 }
 
-/// Reads and analyses files as one world.
+/// Reads and analyses files as one world, with the usual limit on what may intersect.
 ///
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
 pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+    check_within(files, list_face_pairs, MAX_FACE_PAIRS)
+}
+
+fn check_within(
+    files: &[PathBuf],
+    list_face_pairs: bool,
+    max_face_pairs: u64,
+) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
     let world = input::join(files, &meshes)?;
-    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
+    let input = Input::new(&meshes, world)?;
     drop(meshes);
-    let mut analyser = Analyser::default();
-    let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
-    let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
+    let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
+    let report = Report::new(files, &input.mesh, &analysis, clock.times, list_face_pairs);
     Ok((report, analysis))
 }
 

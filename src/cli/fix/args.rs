@@ -6,6 +6,8 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
+use crate::cli::limit::MAX_FACE_PAIRS;
+
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
 /// Vertex k of the output is vertex k of the input; polygons, materials, groups, normals and comments stay. A clean
@@ -38,6 +40,9 @@ pub struct FixArgs {
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
+    /// End with an error, and write nothing, where more pairs of triangles intersect: a million takes half a gigabyte
+    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_face_pairs: u64,
     /// Time against result
     #[arg(long, value_enum, default_value_t)]
     pub quality: QualityArg,

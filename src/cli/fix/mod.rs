@@ -25,10 +25,7 @@ mod tests;
 
 use std::time::Instant;
 
-use untangle::{
-    analysis::analyse,
-    relax::{RelaxSettings, relax},
-};
+use untangle::relax::{RelaxSettings, relax};
 use untangled_mesh_io::MeshFile;
 
 pub use args::{FixArgs, QualityArg};
@@ -37,6 +34,7 @@ pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
     input::{self, Input},
+    limit::analyse_within,
     outcome::{self, Outcome},
 };
 use plan::{Job, check_movable, plan};
@@ -65,7 +63,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let (input, pins) = world(args, &files)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = Counts::new(&analyse(&input.mesh, &input.frame));
+    let before = Counts::new(&analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?);
     interrupt.check()?;
     let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs) };
     let Repaired { written, history, blocked } = if before.is_clean() {

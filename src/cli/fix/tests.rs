@@ -37,6 +37,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         json: false,
         report: None,
         max_iterations: 10,
+        max_face_pairs: 10,
         quality: QualityArg::Balanced,
         pin: None,
         overwrite: false,

@@ -14,7 +14,9 @@ const BY_SESSION: &[(&str, &str, &str, Value)] = &[
     ("frames_total", "counter", "Frames that were answered.", |s| s.num_frames as f64),
     ("frames_refused_total", "counter", "Frames that could not be used.", |s| s.num_refused_frames as f64),
     ("frames_skipped_total", "counter", "Frames that were overtaken by newer ones.", |s| s.num_skipped_frames as f64),
-    ("frames_truncated_total", "counter", "Frames for which time did not suffice.", |s| s.num_truncated_frames as f64),
+    ("frames_truncated_total", "counter", "Frames that a limit ended, of time or of intersections.", |s| {
+        s.num_truncated_frames as f64
+    }),
     ("frame_rate_hz", "gauge", "Frames per second, lately.", |s| s.rate_hz),
     ("vertices", "gauge", "Vertices of the mesh.", |s| s.num_vertices as f64),
     ("faces", "gauge", "Faces of the mesh.", |s| s.num_faces as f64),
@@ -51,7 +53,7 @@ pub(super) fn prometheus(report: &Report) -> String {
         ("frames_skipped_total", "Frames of all sessions that were overtaken.", report.num_skipped_frames),
         (
             "frames_truncated_total",
-            "Frames of all sessions for which time did not suffice.",
+            "Frames of all sessions that a limit ended, of time or of intersections.",
             report.num_truncated_frames,
         ),
     ] {

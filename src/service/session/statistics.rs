@@ -32,7 +32,7 @@ impl Statistics {
             *mean_s += WEIGHT * (interval_s - *mean_s);
         }
         self.num_frames += 1;
-        self.num_refused_frames += u64::from(header.status != Status::Ok.code());
+        self.num_refused_frames += u64::from(is_refused(header));
         self.num_truncated_frames += u64::from(header.flags & TRUNCATED != 0);
         let num_skipped_before = self.last.map_or(0, |last| last.num_skipped_frames);
         totals.add(header, header.num_skipped_frames.saturating_sub(num_skipped_before));
@@ -62,13 +62,18 @@ pub(crate) struct Totals {
     pub(crate) stage_ns: [AtomicU64; 8],
 }
 
+/// Whether a frame was refused, rather than ended by a limit.
+fn is_refused(header: &CorrectionHeader) -> bool {
+    header.status != Status::Ok.code() && header.flags & TRUNCATED == 0
+}
+
 impl Totals {
     fn add(&self, header: &CorrectionHeader, num_skipped: u64) {
         let add = |sum: &AtomicU64, number| {
             sum.fetch_add(number, Ordering::Relaxed);
         };
         add(&self.num_frames, 1);
-        add(&self.num_refused_frames, u64::from(header.status != Status::Ok.code()));
+        add(&self.num_refused_frames, u64::from(is_refused(header)));
         add(&self.num_skipped_frames, num_skipped);
         add(&self.num_truncated_frames, u64::from(header.flags & TRUNCATED != 0));
         for (sum, ns) in self.stage_ns.iter().zip(header.stage_ns) {
