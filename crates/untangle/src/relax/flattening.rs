@@ -6,7 +6,7 @@ use super::{
     energy::{Domain, FlatteningEnergy, FlatteningSystem},
     outcome::{BestState, End, Method, RelaxError},
     relaxer::{Progress, Relaxer},
-    step::{CollisionFreeStep, Tangle, measure, stored, total},
+    step::{CollisionFreeStep, Tangle, measure, num_movable, stored, total},
 };
 use crate::{
     intersect::{Intersections, Intersector},
@@ -101,7 +101,7 @@ impl<'a, 'm> Flow<'a, 'm> {
     fn attempt(&mut self, least: &mut LeastViolated, progress: &mut Progress<'_>) -> Result<(End, usize), RelaxError> {
         let mut end = self.flatten(progress)?;
         let num_violated = self.num_violated(&self.flat);
-        if matches!(end, End::Clean | End::Interrupted) && self.found.edge_face.is_empty() {
+        if matches!(end, End::Clean | End::Interrupted) && num_movable(self.relaxer.mesh, &self.found) == 0 {
             least.offer(&self.flat, num_violated);
         }
         if end != End::Clean {

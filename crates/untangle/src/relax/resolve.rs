@@ -39,7 +39,7 @@ pub(super) fn resolve(
         if merit < best.merit {
             *best = BestState { merit, positions: relaxer.frame.positions().to_vec() };
         }
-        if relaxer.analyser.last().intersections.edge_face.is_empty() {
+        if relaxer.is_clean() {
             return Ok(End::Clean);
         }
         let before = merits.last().copied().unwrap_or(f64::INFINITY);
@@ -73,11 +73,9 @@ fn iterate(
     prepare(relaxer, settings);
     relaxer.run_trials(settings, rest_weight);
     let (trials, now) = (&relaxer.trials[..settings.len()], &relaxer.now);
-    let choice: Vec<Option<usize>> =
-        (0..now.len()).map(|island| least_tangled(trials, now, island, must_change)).collect();
+    let (choice, positions) = relaxer.choose(|group| least_tangled(trials, now, group, must_change));
     let stuck = choice.iter().zip(now).any(|(choice, now)| choice.is_none() && !now.is_none());
     let method = method_of(relaxer, settings, &choice);
-    let positions = relaxer.positions_of(&choice);
     relaxer.set_frame(&positions)?;
     for index in choice.iter().flatten().copied().collect::<BTreeSet<_>>() {
         relaxer.separated.hold(&relaxer.trials[index].constraints, &relaxer.frame);

@@ -1,5 +1,7 @@
 //! The whole relaxation: one plan after the other until one ends clean, then shape recovery.
 
+use nalgebra::Point3;
+
 use super::{
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
@@ -46,12 +48,16 @@ pub(super) fn run(
         }
     }
     relaxer.set_frame(&best.positions)?;
-    let blocked = blocked_paths(mesh, relaxer.analyser.last(), end);
     let mut interrupted = end == End::Interrupted;
-    if blocked.is_empty() && !relaxer.history.is_empty() && !interrupted {
+    if !relaxer.history.is_empty() && !interrupted {
         interrupted = recover_shape(&mut relaxer, progress)?;
     }
-    let positions = relaxer.frame.positions().iter().map(|point| (*point).into()).collect();
+    let blocked = blocked_paths(mesh, &relaxer.final_paths(), end);
+    let restored = |(point, (before, given)): (&Point3<f64>, (&Point3<f64>, &[f64; 3]))| {
+        // A frame takes the smallest values as zero.
+        if point == before { *given } else { (*point).into() }
+    };
+    let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
 }
 

@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     damping::{Backtracking, Damping},
+    pinned::is_movable,
     precision::stored,
 };
 use crate::{
@@ -70,7 +71,7 @@ impl<'a> CollisionFreeStep<'a> {
                 return false;
             }
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.is_empty() {
+            if self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
                 return true;
