@@ -63,7 +63,7 @@ pub struct Relaxation {
     pub history: Vec<Iteration>,
     /// Paths left in `positions`; empty if none are.
     pub blocked: Vec<BlockedPath>,
-    /// Whether `progress` ended it.
+    /// Whether the caller ended it, by `progress` or `should_stop`.
     pub interrupted: bool,
 }
 
@@ -84,7 +84,7 @@ pub(super) enum End {
     Stuck,
     /// The largest number of iterations was reached.
     Exhausted,
-    /// The caller's `progress` asked for it.
+    /// The caller asked for it.
     Interrupted,
 }
 
@@ -94,8 +94,9 @@ pub(super) struct BestState {
     pub(super) positions: Vec<Point3<f64>>,
 }
 
-/// The paths of the best state that was found, where the last plan ended so.
-pub(super) fn blocked_paths(mesh: &Mesh, paths: &IntersectionPaths, end: End) -> Vec<BlockedPath> {
+/// The paths of the best state that was found, where the last plan ended so. `crowded` says that there were too many of
+/// them for plans of trials.
+pub(super) fn blocked_paths(mesh: &Mesh, paths: &IntersectionPaths, end: End, crowded: bool) -> Vec<BlockedPath> {
     let closed = mesh.closed_pieces();
     let pairs = paths.pairs.iter();
     pairs
@@ -109,6 +110,8 @@ pub(super) fn blocked_paths(mesh: &Mesh, paths: &IntersectionPaths, end: End) ->
                 ALL_PINNED
             } else if segments.iter().any(is_pinned) {
                 PARTLY_PINNED
+            } else if crowded && end == End::Stuck {
+                CROWDED
             } else {
                 reason(end, is_closed(segment.own) || is_closed(segment.partner))
             };
@@ -120,13 +123,16 @@ pub(super) fn blocked_paths(mesh: &Mesh, paths: &IntersectionPaths, end: End) ->
 
 /// Why paths are blocked that no motion can take away.
 const ALL_PINNED: &str = "all its vertices are pinned";
+/// Why a tangle is given up after the quick plans.
+const CROWDED: &str = "too many paths meet here for motions of single ones to help: a crumple, or surfaces that nearly \
+                      coincide, of which nothing says which lies outside";
 const PARTLY_PINNED: &str = "all vertices of a part of it are pinned";
 
 fn reason(end: End, meets_closed: bool) -> &'static str {
     match (end, meets_closed) {
         (End::Clean, _) => PARTLY_PINNED,
         (End::Exhausted, _) => "the largest number of iterations was reached",
-        (End::Interrupted, _) => "the work was interrupted",
+        (End::Interrupted, _) => "the work was ended before it was resolved",
         (End::Stuck, false) => "no motion left it shorter without crushing or overstretching the cloth",
         (End::Stuck, true) => {
             "no motion left it shorter without crushing or overstretching the cloth, \

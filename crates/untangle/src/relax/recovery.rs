@@ -31,7 +31,7 @@ pub(super) fn recover_shape(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'
     relaxer.passing.reset(relaxer.mesh.num_vertices());
     for _ in 0..MAX_STEPS {
         if !step(relaxer)? {
-            break;
+            return Ok((relaxer.should_stop)());
         }
         if relaxer.report(Method::RecoverShape, progress).is_break() {
             return Ok(true);
@@ -63,6 +63,9 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
         trial.constraints.limit_to_gap(&relaxer.frame, gap_m);
     }
     relaxer.run_trials(&settings, 1.0);
+    if (relaxer.should_stop)() {
+        return Ok(false);
+    }
     let trials = &relaxer.trials[..settings.len()];
     let (choice, positions) = relaxer.choose(|group| least_strained(trials, &strains, group));
     if choice.iter().all(Option::is_none) {
@@ -81,9 +84,10 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
 
 /// Goes towards `target` as far as nothing intersects on the way. False if nothing moves, or edges get overstretched.
 fn step_back(relaxer: &mut Relaxer<'_>, target: &[Point3<f64>]) -> Result<bool, RelaxError> {
-    let Relaxer { mesh, settings, frame, domain, limits, .. } = &*relaxer;
+    let Relaxer { mesh, settings, frame, domain, limits, should_stop, .. } = &*relaxer;
     let mut positions = frame.positions().to_vec();
-    let moves = CollisionFreeStep::new(mesh, domain).advance(&mut positions, target, settings.single_precision);
+    let moves =
+        CollisionFreeStep::new(mesh, domain, *should_stop).advance(&mut positions, target, settings.single_precision);
     let is_torn = |&vertex: &VertexId| limits.is_violated(mesh, frame.positions(), &positions, vertex);
     if !moves || domain.vertices().iter().any(is_torn) {
         return Ok(false);

@@ -9,7 +9,7 @@ use super::{
     constraints::{Constraints, Orientation, StrainLimits},
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
-    settings::RelaxSettings,
+    settings::{RelaxSettings, ShouldStop},
     step::{
         Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, measure, num_movable, remove_pinned_chains,
     },
@@ -23,15 +23,28 @@ use crate::{
     paths::{IntersectionPaths, PathFinder},
     settings::{InsideChoice, Settings},
     sparse_map::SparseMap,
+    stage::{Stage, StageObserver},
 };
 
 /// The caller's function that is told of each iteration, and may end the work.
 pub(super) type Progress<'p> = dyn FnMut(&Iteration) -> ControlFlow<()> + 'p;
 
+/// Ends an analysis that is to stop: what it leaves out is not used.
+pub(super) struct StopObserver<'s>(pub(super) &'s ShouldStop<'s>);
+
+impl StageObserver for StopObserver<'_> {
+    fn begin(&mut self, _: Stage) {}
+    fn end(&mut self) {}
+    fn is_spent(&mut self) -> bool {
+        (self.0)()
+    }
+}
+
 /// One relaxation under way.
 pub(super) struct Relaxer<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) settings: &'a RelaxSettings,
+    pub(super) should_stop: &'a ShouldStop<'a>,
     pub(super) analysis_settings: Settings,
     pub(super) frame: Frame,
     pub(super) rest: RestShape,
@@ -59,11 +72,17 @@ pub(super) struct Relaxer<'a> {
 }
 
 impl<'a> Relaxer<'a> {
-    pub(super) fn new(mesh: &'a Mesh, positions: &[[f64; 3]], settings: &'a RelaxSettings) -> Result<Self, RelaxError> {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        positions: &[[f64; 3]],
+        settings: &'a RelaxSettings,
+        should_stop: &'a ShouldStop<'a>,
+    ) -> Result<Self, RelaxError> {
         let frame = Frame::new(mesh, positions)?;
         Ok(Self {
             mesh,
             settings,
+            should_stop,
             analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
             rest: RestShape::of(mesh, &frame),
             limits: StrainLimits::of(mesh, &frame),
@@ -98,7 +117,7 @@ impl<'a> Relaxer<'a> {
     pub(super) fn analyse(&mut self) {
         let Self { mesh, frame, analysis_settings, has_pinned_chains, .. } = self;
         let select = |found: &mut Intersections| *has_pinned_chains = remove_pinned_chains(mesh, found);
-        self.analyser.analyse_part(mesh, frame, analysis_settings, select, &mut ());
+        self.analyser.analyse_part(mesh, frame, analysis_settings, select, &mut StopObserver(self.should_stop));
     }
 
     /// The paths of the present state, those among pinned vertices included.
@@ -137,6 +156,7 @@ impl<'a> Relaxer<'a> {
             now: &self.now,
             edge_length_m: self.edge_length_m,
             single_precision: self.settings.single_precision,
+            should_stop: self.should_stop,
         };
         self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
     }

@@ -18,6 +18,7 @@ use crate::{
     relax::{
         constraints::{Constraints, Objective, StrainLimits},
         energy::{ArapEnergy, Domain},
+        settings::ShouldStop,
     },
     sparse_map::SparseMap,
 };
@@ -58,6 +59,7 @@ pub(crate) struct TrialContext<'a> {
     /// Mean edge length of the faces that intersect, in metres.
     pub(crate) edge_length_m: f64,
     pub(crate) single_precision: bool,
+    pub(crate) should_stop: &'a ShouldStop<'a>,
 }
 
 /// A state that is judged island by island.
@@ -106,7 +108,14 @@ impl Trial {
         for round in 0..=CONTACT_ROUNDS {
             let start = if round > 0 { Start::Warm } else { Start::Cold };
             let TrialSettings { stiffness, max_stretch, .. } = settings;
-            if !self.solver.solve(&context.energy, stiffness, max_stretch, &self.constraints, start) {
+            if !self.solver.solve(
+                &context.energy,
+                stiffness,
+                max_stretch,
+                &self.constraints,
+                start,
+                context.should_stop,
+            ) {
                 return false;
             }
             self.limit_length(context);
@@ -124,7 +133,7 @@ impl Trial {
     fn line_search(&mut self, context: &TrialContext<'_>) {
         for _ in 0..MAX_HALVINGS {
             let helps = |(best, now): (&Tangle, &Tangle)| best.is_none() || best.merit() < now.merit();
-            if self.best.tangles.iter().zip(context.now).all(helps) {
+            if self.best.tangles.iter().zip(context.now).all(helps) || (context.should_stop)() {
                 break;
             }
             for displacement in &mut self.solver.displacement {
