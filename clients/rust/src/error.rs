@@ -150,9 +150,7 @@ impl FrameRefusal {
         let Self { status, fault_index, fault_value: value, header_field, .. } = self;
         match (status, fault_index) {
             (Status::BadPosition, Some(vertex)) => {
-                format!(
-                    "vertex {vertex} (counted from 0) has coordinate {value}; coordinates must be finite and at most 2^250"
-                )
+                format!("vertex {vertex} (counted from 0) has coordinate {value}; it must be finite and at most 2^250")
             }
             (Status::BadHeader, _) => match header_field {
                 Some("dt_s") => format!("the step dt_s is {value}; it must be from 1e-9 to 1e9 s"),
