@@ -63,8 +63,10 @@ fn variable(key: &str) -> String {
 
 fn unknown(name: &str) -> String {
     let variables: Vec<String> = keys().map(variable).collect();
-    let hint = match nearest(name, variables.iter().map(String::as_str)) {
-        Some(variable) => format!("did you mean {variable}?"),
+    // The prefix, which all have, makes none like another.
+    let known = variables.iter().filter_map(|variable| variable.strip_prefix(PREFIX));
+    let hint = match nearest(name.strip_prefix(PREFIX).unwrap_or(name), known) {
+        Some(rest) => format!("did you mean {PREFIX}{rest}?"),
         None => "`untangled config` lists the keys".to_owned(),
     };
     format!("environment variable {name} is not known and has no effect; {hint}")

@@ -9,10 +9,12 @@ use untangled_testkit::process::untangled;
 #[test]
 fn demo_ends_clean_and_writes_its_files() {
     let folder = tempfile::tempdir().unwrap();
+    let runtime = tempfile::tempdir().unwrap();
     let output = Command::new(untangled())
         .args(["demo", "--frames", "100", "--out"])
         .arg(folder.path())
         .args(["--", "--scene", "crease", "--edge-m", "0.04"])
+        .env("XDG_RUNTIME_DIR", runtime.path())
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
@@ -24,6 +26,9 @@ fn demo_ends_clean_and_writes_its_files() {
         let picture = fs::read(folder.path().join(name).with_extension("png")).unwrap();
         assert!(picture.starts_with(b"\x89PNG") && picture.len() > 1000);
     }
+    let left: Vec<_> =
+        fs::read_dir(runtime.path().join("untangled")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(left.is_empty(), "the daemon has left {left:?}");
 }
 
 /// Each type of path, by daemon and host, with a control without corrections, which must stay tangled.

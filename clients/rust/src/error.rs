@@ -164,10 +164,7 @@ impl FrameRefusal {
         let value = self.fault_value;
         match (self.status, self.fault_index) {
             (Status::BadPosition, Some(vertex)) => {
-                format!(
-                    "vertex {vertex} (counted from 0) has coordinate {value}; coordinates must be finite and at most \
-                     2^250"
-                )
+                format!("vertex {vertex} (counted from 0) has coordinate {value}; it must be finite and at most 2^250")
             }
             (Status::BadHeader, _) => match self.header_field {
                 Some("dt_s") => format!("the step dt_s is {value}; it must be from 1e-9 to 1e9 s"),

@@ -26,59 +26,43 @@ const BY_SESSION: &[(&str, &str, &str, Value)] = &[
     ("contour_length_metres", "gauge", "Length of all paths, in the last frame.", |s| s.contour_length_m),
 ];
 
-/// The report in the text format of Prometheus, version 0.0.4.
+/// The report as text.
 #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 pub(super) fn prometheus(report: &Report) -> String {
     let mut out = String::new();
-    let mut family = |name: &str, kind: &str, help: &str, samples: &mut dyn FnMut(&mut String, &str)| {
-        let name = format!("untangled_{name}");
-        // Writing to a string does not fail.
-        let _ = writeln!(out, "# HELP {name} {help}\n# TYPE {name} {kind}");
-        samples(&mut out, &name);
-    };
     for (name, kind, help, value) in [
         ("uptime_seconds", "gauge", "Time since the daemon started.", report.uptime_s),
         ("workers", "gauge", "Threads that work on frames.", report.num_workers as f64),
         ("sessions", "gauge", "Sessions that are open.", report.sessions.len() as f64),
         ("sessions_registered_total", "counter", "Sessions that were registered.", report.num_registered as f64),
         ("requests_refused_total", "counter", "Requests that were refused.", report.num_refused_requests as f64),
+        ("daemon_frames_total", "counter", "Frames of all sessions, open or not.", report.num_frames as f64),
+        ("daemon_frames_refused_total", "counter", "Of these, not usable.", report.num_refused_frames as f64),
+        ("daemon_frames_skipped_total", "counter", "Frames overtaken by newer ones.", report.num_skipped_frames as f64),
+        ("daemon_frames_truncated_total", "counter", "Of these, ended by a limit.", report.num_truncated_frames as f64),
     ] {
-        family(name, kind, help, &mut |out, name| {
-            let _ = writeln!(out, "{name} {value}");
-        });
+        family(&mut out, name, kind, help, [(String::new(), value)]);
     }
-    for (name, help, value) in [
-        ("frames_total", "Frames of all sessions, those of sessions that have ended included.", report.num_frames),
-        ("frames_refused_total", "Frames of all sessions that could not be used.", report.num_refused_frames),
-        ("frames_skipped_total", "Frames of all sessions that were overtaken.", report.num_skipped_frames),
-        (
-            "frames_truncated_total",
-            "Frames of all sessions that a limit ended, of time or of intersections.",
-            report.num_truncated_frames,
-        ),
-    ] {
-        family(&format!("daemon_{name}"), "counter", help, &mut |out, name| {
-            let _ = writeln!(out, "{name} {value}");
-        });
-    }
-    family("daemon_stage_seconds_total", "counter", "Time spent in each stage, all sessions.", &mut |out, name| {
-        for (stage, seconds) in &report.stage_total_s {
-            let _ = writeln!(out, "{name}{{stage=\"{stage}\"}} {seconds}");
-        }
-    });
+    let by_stage = report.stage_total_s.iter().map(|(stage, seconds)| (format!("{{stage=\"{stage}\"}}"), *seconds));
+    family(&mut out, "daemon_stage_seconds_total", "counter", "Time spent in each stage, all sessions.", by_stage);
+    let label = |session: &SessionReport| format!("session=\"{}\"", session.session);
     for (name, kind, help, value) in BY_SESSION {
-        family(name, kind, help, &mut |out, name| {
-            for session in &report.sessions {
-                let _ = writeln!(out, "{name}{{session=\"{}\"}} {}", session.session, value(session));
-            }
-        });
+        let samples = report.sessions.iter().map(|session| (format!("{{{}}}", label(session)), value(session)));
+        family(&mut out, name, kind, help, samples);
     }
-    family("stage_seconds_total", "counter", "Time spent in each stage of all frames.", &mut |out, name| {
-        for session in &report.sessions {
-            for (stage, seconds) in &session.stage_total_s {
-                let _ = writeln!(out, "{name}{{session=\"{}\",stage=\"{stage}\"}} {seconds}", session.session);
-            }
-        }
+    let by_session = report.sessions.iter().flat_map(|session| {
+        let stages = session.stage_total_s.iter();
+        stages.map(move |(stage, seconds)| (format!("{{{},stage=\"{stage}\"}}", label(session)), *seconds))
     });
+    family(&mut out, "stage_seconds_total", "counter", "Time spent in each stage of all frames.", by_session);
     out
+}
+
+/// A family of samples, each with its labels in braces.
+fn family(out: &mut String, name: &str, kind: &str, help: &str, samples: impl IntoIterator<Item = (String, f64)>) {
+    // Writing to a string does not fail.
+    let _ = writeln!(out, "# HELP untangled_{name} {help}\n# TYPE untangled_{name} {kind}");
+    for (labels, value) in samples {
+        let _ = writeln!(out, "untangled_{name}{labels} {value}");
+    }
 }

@@ -1,5 +1,7 @@
 //! Memory: what a session takes is what the formulas say, and an operator can limit it.
 
+use std::time::{Duration, Instant};
+
 use untangled_client::{RegisterError, RequestError, Status};
 use untangled_proto::{PayloadLayout, Precision, memory};
 use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, serve, sheet};
@@ -11,18 +13,34 @@ fn session_takes_the_shared_memory_that_the_formula_says() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let client = domain.connect();
-    let idle = domain.shared_bytes();
-    assert!(idle < 4 << 20, "a daemon without sessions has taken {idle} bytes");
     for side in [3, 199] {
         let cloth = sheet(side);
         let num_vertices = cloth.num_vertices;
         let mut session = client.register(cloth).unwrap();
         session.exchange(STEP, PATIENCE, fill_flat).unwrap();
-        let taken = domain.shared_bytes() - idle;
+        // Until the request's resources are gone on both sides.
         let formula = memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed);
-        assert!(taken <= formula && formula - taken < 1 << 18, "{num_vertices} vertices took {taken}, not {formula}");
+        let with = settled(&domain);
         drop(session);
+        let without = settled(&domain);
+        let taken = with - without;
+        println!("{num_vertices} vertices: {taken} bytes taken, {formula} by the formula; {without} without");
+        assert!(taken <= formula && formula - taken < 1 << 18, "{num_vertices} vertices took {taken}, not {formula}");
+        assert!(without < 4 << 20, "a daemon without sessions has taken {without} bytes");
     }
+}
+
+/// Bytes of shared memory that the domain has taken, once they have not changed for half a second.
+fn settled(domain: &TestDomain) -> u64 {
+    let (mut bytes, mut since) = (domain.shared_bytes(), Instant::now());
+    while since.elapsed() < Duration::from_millis(500) {
+        std::thread::sleep(Duration::from_millis(20));
+        let now = domain.shared_bytes();
+        if now != bytes {
+            (bytes, since) = (now, Instant::now());
+        }
+    }
+    bytes
 }
 
 #[test]
@@ -43,7 +61,7 @@ fn daemon_takes_the_memory_of_a_session_that_it_estimates() {
     let estimate =
         untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, PayloadLayout::Packed);
     println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
-    assert!(taken < estimate && estimate < 4 * taken, "{taken} bytes taken, {estimate} estimated");
+    assert!(taken < estimate && 2 * estimate < 5 * taken, "{taken} bytes taken, {estimate} estimated");
 }
 
 #[test]

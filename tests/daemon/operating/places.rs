@@ -31,12 +31,11 @@ fn sessions_that_are_dropped_at_once_free_their_places() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let client = domain.connect();
-    let begin = Instant::now();
+    // Where they did not, the 65th would be refused.
     for _ in 0..2 * MAX_SESSIONS {
         drop(client.register(sheet(1)).unwrap());
     }
     client.register(sheet(1)).unwrap().exchange(STEP, PATIENCE, fill_flat).unwrap();
-    assert!(begin.elapsed() < Duration::from_secs(9), "no session waited for its time to pass");
     assert_eq!(open_sessions(&domain), 0);
 }
 
