@@ -8,7 +8,10 @@ use crate::printable::Printable;
 
 /// A file that can't be read as a mesh, and where in it.
 #[derive(Debug, Error)]
-#[error("{}{}: {kind}", Printable(path.display()), line.map_or(String::new(), |line| format!(":{line}")))]
+#[error(
+    "{}{}: {}",
+    Printable(path.display()), line.map_or(String::new(), |line| format!(":{line}")), Printable(kind)
+)]
 pub struct ReadError {
     /// The file, as its caller named it.
     pub path: PathBuf,

@@ -51,6 +51,8 @@ fn read_mesh_of_links_out_of_the_folder_is_refused() {
         let expected = format!("buffer 0: link `{link}` {reason}; only files in the folder of the document are read");
         assert_eq!(refusal(&document(link)), Some(expected));
     }
+    let escaping = refusal(&document("\u{1b}[2J/\u{202e}a.bin")).unwrap();
+    assert!(escaping.contains("\\u{1b}[2J/\\u{202e}a.bin") && !escaping.contains('\u{1b}'), "{escaping}");
     // A buffer that nothing uses is refused as well.
     let exfiltrating = with(&[("/buffers/-", json!({"byteLength": 64, "uri": "/etc/passwd"}))]);
     assert!(refusal(&exfiltrating).unwrap().starts_with("buffer 1: link `/etc/passwd`"));

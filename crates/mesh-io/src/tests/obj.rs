@@ -48,11 +48,12 @@ fn concatenate_drops_texture_coordinates_that_are_incomplete_or_without_area() {
 
 #[test]
 fn read_mesh_of_bad_obj_names_file_line_and_element() {
-    let cases: [(&str, &str); 12] = [
+    let cases: [(&str, &str); 13] = [
         ("v 0 0 0\nf 1 2 900\n", "bad.obj:2: face 1 refers to vertex 2, but only 1 are defined"),
         ("v 0 0 0\nf 1 1 1\nf 1 1 900\nv 1 1 1\n", "bad.obj:3: face 2 refers to vertex 900, but only 2 are defined"),
         ("v 0 0 0\nf 1 -2 1\n", "bad.obj:2: face 1 refers to vertex -2, but only 1 are defined"),
         ("v 0 0 0\nf 1/7 1 1\n", "bad.obj:2: face 1 refers to texture coordinate 7, but only 0 are defined"),
+        ("v 0 0 0\nf 1 1 4294967297\n", "bad.obj:2: face 1 refers to vertex 4294967297, but only 1 are defined"),
         ("v 0 0 0\nf 1 0 1\n", "bad.obj:2: face 1 has `0` where an index is needed"),
         ("v 0 0 0\nf 1 2.5/1 1\n", "bad.obj:2: face 1 has `2.5/1` where an index is needed"),
         ("v 0 0 0\nf 1 1\n", "bad.obj:2: face 1 has 2 corners, at least 3 are needed"),

@@ -6,7 +6,7 @@ use untangle::{
     respond::VertexFlags,
     untangler::Untangler,
 };
-use untangled_mesh_io::MeshFile;
+use untangled_mesh_io::{MeshFile, Output, read_mesh};
 
 /// A mesh: its adjacency is consistent.
 pub(super) fn check_mesh(mesh: &Mesh) {
@@ -49,5 +49,21 @@ pub(super) fn check_file(file: &MeshFile, bytes: &[u8]) {
     let mut written = Vec::new();
     if file.write_with_positions(file.positions(), &mut written).is_ok() {
         assert!(written == bytes, "a file is written back as it was");
+    }
+    check_moved(file);
+}
+
+/// A mesh file with other positions: what is read back is what was meant, or it was refused. Overwrites the file.
+fn check_moved(file: &MeshFile) {
+    let mut moved = file.positions().to_vec();
+    for (vertex, position) in moved.iter_mut().enumerate() {
+        position[vertex % 3] = position[vertex % 3] * 0.75 + 0.1 * vertex as f64;
+    }
+    let output = Output::new(std::slice::from_ref(file), file.path()).expect("a file is written under its own name");
+    let mut written = Vec::new();
+    if output.write(&moved, &mut written).is_ok() {
+        std::fs::write(file.path(), &written).expect("there is room for a small file");
+        let read = read_mesh(file.path()).unwrap_or_else(|error| panic!("what was written is read: {error}"));
+        output.check_read_back(&moved, &read).unwrap_or_else(|error| panic!("{error}"));
     }
 }

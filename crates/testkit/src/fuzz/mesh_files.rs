@@ -3,7 +3,7 @@
 use base64::{Engine, engine::general_purpose::STANDARD};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::grid::grid;
 use crate::files::formats::glb_file;
@@ -44,16 +44,24 @@ pub(super) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let faces = grid(n);
     let (kind, big) =
         [("ascii", false), ("binary_little_endian", false), ("binary_big_endian", true)][rng.random_range(0..3)];
-    let double = rng.random::<bool>();
-    let float = if double { "double" } else { "float" };
+    // The vertices may stand in two elements of different types.
+    let num_vertices = (n + 1) * (n + 1);
+    let cut = if rng.random_bool(0.2) { rng.random_range(0..=num_vertices) } else { num_vertices };
+    let (first, second) = (rng.random::<bool>(), rng.random::<bool>());
+    let element = |count: u32, double: bool| {
+        let float = if double { "double" } else { "float" };
+        format!("element vertex {count}\nproperty {float} x\nproperty {float} y\nproperty {float} z\n")
+    };
+    let second_element = if cut < num_vertices { element(num_vertices - cut, second) } else { String::new() };
     let mut bytes = format!(
-        "ply\nformat {kind} 1.0\ncomment a sheet\nelement vertex {}\nproperty {float} x\nproperty {float} y\nproperty \
-         {float} z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        (n + 1) * (n + 1),
+        "ply\nformat {kind} 1.0\ncomment a sheet\n{}{second_element}element face {}\nproperty list uchar int \
+         vertex_indices\nend_header\n",
+        element(cut, first),
         faces.len()
     )
     .into_bytes();
-    for _ in 0..(n + 1) * (n + 1) {
+    for vertex in 0..num_vertices {
+        let double = if vertex < cut { first } else { second };
         if kind == "ascii" {
             bytes.extend(format!("{} {} {}\n", number(rng), number(rng), number(rng)).into_bytes());
         } else {
@@ -106,9 +114,33 @@ pub(super) fn gltf(rng: &mut ChaCha8Rng, binary: bool) -> Vec<u8> {
             {"bufferView": 1, "componentType": 5125, "count": 3 * faces.len(), "type": "SCALAR"},
         ],
     });
+    vary(rng, &mut document, num_vertices);
     if binary {
         return glb_file(document.to_string().into_bytes(), data);
     }
     document["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&data)).into();
     document.to_string().into_bytes()
+}
+
+/// Adds what documents may have besides: other nodes with the same mesh, names, a strip, a sparse accessor.
+fn vary(rng: &mut ChaCha8Rng, document: &mut Value, num_vertices: u32) {
+    if rng.random_bool(0.2) {
+        document["nodes"] = json!([{"mesh": 0, "name": "left", "children": [1], "scale": [2, 1, 1]},
+                                   {"mesh": 0, "rotation": [0, 0.6, 0, 0.8], "translation": [1, 2, 3]}]);
+    } else if rng.random_bool(0.3) {
+        document["nodes"][0]["matrix"] = json!([0.5, 0, 0, 0, 0, 2, 0, 0, 0, 0.3, 1, 0, 4, 5, 6, 1]);
+    }
+    if rng.random_bool(0.2) {
+        document["meshes"][0]["primitives"][0]["mode"] = rng.random_range(4..7).into();
+    }
+    if rng.random_bool(0.2) {
+        let sparse = json!({"componentType": 5126, "count": num_vertices, "type": "VEC3", "sparse": {"count": 1,
+            "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 0}}});
+        document["accessors"].as_array_mut().expect("it is a list").push(sparse);
+        let primitive = json!({"attributes": {"POSITION": 2}, "indices": 1});
+        document["meshes"][0]["primitives"].as_array_mut().expect("it is a list").push(primitive);
+    }
+    if rng.random_bool(0.1) {
+        document["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    }
 }

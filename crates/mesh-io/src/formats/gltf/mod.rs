@@ -7,7 +7,8 @@
 //! transforms of nodes are applied in double.
 //!
 //! The document is read by structures of our own (`document`), which know what positions, faces, texture coordinates
-//! and nodes need; the text itself is kept, so that all else is written back. Its data (`data`) is checked byte by byte.
+//! and nodes need; the text itself is kept, so that all else is written back. Every length in its data (`data`) is
+//! checked.
 //!
 //! Writing back replaces positions in their buffer, and changes the text only where it must. Positions can be replaced
 //! only where they are one list of singles that one node uses: see `place`.

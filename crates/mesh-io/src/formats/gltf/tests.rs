@@ -86,6 +86,51 @@ fn parse_of_false_lengths_and_indices_is_an_error() {
     assert_eq!(error(&cycle, &bytes), "node 0 has more than one parent");
 }
 
+#[test]
+fn parse_of_false_chunk_lengths_is_an_error() {
+    let source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
+    let with_word = |at: usize, value: usize| {
+        let mut bytes = source.clone();
+        bytes[at..at + 4].copy_from_slice(&u32::try_from(value).unwrap().to_le_bytes());
+        parse(bytes, Path::new("")).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let length = source.len();
+    let json = Chunks::find(&source).unwrap().json;
+    assert_eq!(with_word(8, length), Ok(()));
+    let stated = |stated: usize| Err(format!("its header says that it has {stated} bytes, and it has {length}"));
+    assert_eq!(with_word(8, u32::MAX as usize), stated(u32::MAX as usize));
+    assert_eq!(with_word(8, length + 1), stated(length + 1));
+    assert_eq!(with_word(8, 11), Err("the header says that the file is shorter than its header".to_owned()));
+    let cut_off = Err("ends within a chunk".to_owned());
+    for (at, value) in [(12, u32::MAX as usize), (12, length), (json.end, u32::MAX as usize), (8, length - 4), (8, 13)]
+    {
+        assert_eq!(with_word(at, value), cut_off, "{at} {value}");
+    }
+    assert_eq!(with_word(4, 1), Err("is glTF of version 1; version 2 is read".to_owned()));
+    let no_json = Err("not a valid glTF document: the first chunk is not JSON".to_owned());
+    assert_eq!(with_word(16, 0), no_json);
+    // Without its binary chunk, a buffer without a link has nothing.
+    let missing = "buffer 0: it has no `uri`, and there is no binary chunk for it";
+    assert_eq!(with_word(8, json.end), Err(missing.to_owned()));
+    for end in 0..source.len() {
+        parse(source[..end].to_vec(), Path::new("")).unwrap_err();
+    }
+}
+
+#[test]
+fn output_of_glb_with_bytes_beyond_its_stated_length_keeps_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut source = glb(&document(12, INDICES, 54), &buffer([0, 1, 2]));
+    let length = source.len();
+    source.extend(b"beyond");
+    let file = read(folder.path(), "a.glb", &source);
+    let mut moved = file.positions().to_vec();
+    moved[0][0] = 21.0;
+    let written = write(&file, &folder.path().join("b.glb"), &moved);
+    assert!(written.ends_with(b"beyond") && written[8..12] == u32::try_from(length - 4).unwrap().to_le_bytes());
+    assert_eq!(read(folder.path(), "b.glb", &written).positions(), moved);
+}
+
 /// A document as a file, read.
 fn read(folder: &Path, name: &str, content: &[u8]) -> MeshFile {
     let path = folder.join(name);

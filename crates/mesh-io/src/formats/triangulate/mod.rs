@@ -208,10 +208,12 @@ mod tests {
             f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX)
         };
         for kind in 0..6 {
-            let mut polygon = random_polygon(kind, 100_000, &mut next);
+            // Those that cross themselves again and again take longest.
+            let count = if [2, 3].contains(&kind) { 20_000 } else { 100_000 };
+            let mut polygon = random_polygon(kind, count, &mut next);
             for _ in 0..2 {
                 let triangles = split(&polygon);
-                assert_eq!(triangles.len(), 99_998);
+                assert_eq!(triangles.len(), polygon.len() - 2);
                 if [0, 1, 4].contains(&kind) {
                     // Simple polygons: all triangles are ears.
                     assert!(triangles.iter().all(|&triangle| area(&polygon, triangle).abs() > 0.0), "kind {kind}");

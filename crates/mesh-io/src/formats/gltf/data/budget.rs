@@ -4,9 +4,9 @@ use crate::error::ReadErrorKind;
 
 /// Bytes of mesh, as it is in memory, that a document may ask for with each byte of its own and of its buffers.
 ///
-/// Accessors without a buffer, sparse accessors and meshes of several nodes make many vertices out of few bytes. Without
-/// any of these a document asks for 12 at most (a strip of 8-bit indices); the rest is for meshes that stand at several
-/// nodes.
+/// Accessors without a buffer, sparse accessors and meshes of several nodes make many vertices out of few bytes.
+/// Without any of these a document asks for 12 at most (a strip of 8-bit indices); the rest is for meshes that stand at
+/// several nodes.
 const MOST_BYTES_OF_MESH: usize = 64;
 
 /// What is left of it.
