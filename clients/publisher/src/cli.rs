@@ -81,7 +81,7 @@ pub struct PublishArgs {
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
     /// Settings of the untangler as a JSON object, by the names that `untangled config` explains.
-    #[arg(long, value_name = "JSON")]
+    #[arg(long, value_name = "JSON", value_parser = json_object)]
     pub settings: Option<serde_json::Value>,
     /// How long to wait for a correction before a step is made without.
     #[arg(long, value_name = "MILLISECONDS", default_value_t = 1000)]
@@ -114,7 +114,7 @@ pub struct ClothArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     pub substeps: u32,
     /// Gravity along -z in m/s^2 [default: 9.81 for scenes, 0 for files].
-    #[arg(long, value_name = "M_S2")]
+    #[arg(long, value_name = "M_S2", value_parser = finite, allow_negative_numbers = true)]
     pub gravity: Option<f64>,
     /// Mass of the cloth per area in kg/m^2.
     #[arg(long, value_name = "KG_M2", default_value_t = 0.2, value_parser = positive)]
@@ -126,10 +126,10 @@ pub struct ClothArgs {
     #[arg(long, value_name = "N_M", default_value_t = 1e-4, value_parser = positive)]
     pub bending: f64,
     /// Rate at which air slows the cloth down, in 1/s.
-    #[arg(long, value_name = "1_S", default_value_t = 8.0)]
+    #[arg(long, value_name = "1_S", default_value_t = 8.0, value_parser = not_negative)]
     pub drag: f64,
     /// Distance that self-contact keeps [default: a fifth of the mean edge length].
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = not_negative)]
     pub thickness_m: Option<f64>,
 }
 
@@ -157,10 +157,29 @@ impl From<Kind> for CorrectionKind {
     }
 }
 
+fn number(text: &str, what: &str, is_valid: fn(f64) -> bool) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|&value: &f64| value.is_finite() && is_valid(value));
+    value.ok_or_else(|| format!("expected {what}"))
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    number(text, "a finite number", |_| true)
+}
+
 fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("expected a number greater than 0".into()),
+    number(text, "a number greater than 0", |value| value > 0.0)
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, "a number that is not negative", |value| value >= 0.0)
+}
+
+/// Without this, clap would take the text itself for a JSON string.
+fn json_object(text: &str) -> Result<serde_json::Value, String> {
+    match serde_json::from_str(text) {
+        Ok(value @ serde_json::Value::Object(_)) => Ok(value),
+        Ok(_) => Err(r#"expected a JSON object, such as {"quality": "accurate"}"#.into()),
+        Err(error) => Err(format!(r#"expected a JSON object, such as {{"quality": "accurate"}}: {error}"#)),
     }
 }
 
@@ -206,7 +225,7 @@ pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostE
     write_obj(args.out.as_deref(), "after.obj", host.solver().cloth())?;
     if let Some(path) = &args.summary {
         let json = serde_json::to_string_pretty(&summary).map_err(io::Error::from)?;
-        fs::write(path, json + "\n")?;
+        fs::write(path, json + "\n").map_err(|source| HostError::File { path: path.clone(), source })?;
     }
     Ok(summary)
 }
@@ -246,7 +265,7 @@ fn host_options(args: &PublishArgs) -> HostOptions {
 
 fn write_obj(folder: Option<&Path>, name: &str, cloth: &Cloth) -> Result<(), HostError> {
     if let Some(folder) = folder {
-        fs::create_dir_all(folder)?;
+        fs::create_dir_all(folder).map_err(|source| HostError::File { path: folder.into(), source })?;
         obj::write(&folder.join(name), cloth)?;
     }
     Ok(())
@@ -261,5 +280,37 @@ mod tests {
         let args = Cli::parse_from(["untangled-publisher"]).args;
         let cloth = Scene::Tongue.build(1, 0.05);
         assert_eq!(parameters(&args, &cloth), Parameters::of_cloth(&cloth, 9.81));
+    }
+
+    #[test]
+    fn settings_are_a_json_object_and_nothing_else() {
+        let settings = |text| Cli::try_parse_from(["untangled-publisher", "--settings", text]);
+        let args = settings(r#"{"quality": "accurate", "path_rings": 3}"#).unwrap().args;
+        let expected = serde_json::json!({"quality": "accurate", "path_rings": 3});
+        assert_eq!(host_options(&args).settings, expected);
+        for bad in ["accurate", r#""accurate""#, "[1]", "3", "null", r#"{"quality": "#] {
+            let said = settings(bad).unwrap_err().to_string();
+            assert!(said.contains("expected a JSON object"), "{bad}: {said}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_no_simulation_can_use_are_usage_errors() {
+        for (flag, bad) in [
+            ("--gravity", "NaN"),
+            ("--drag", "-1"),
+            ("--drag", "inf"),
+            ("--thickness-m", "-0.1"),
+            ("--thickness-m", "NaN"),
+            ("--dt-s", "0"),
+            ("--density", "0"),
+            ("--edge-m", "-1"),
+            ("--substeps", "0"),
+        ] {
+            let parsed = Cli::try_parse_from(["untangled-publisher".into(), format!("{flag}={bad}")]);
+            assert!(parsed.is_err(), "{flag} {bad}");
+        }
+        let moon = Cli::parse_from(["untangled-publisher", "--gravity", "-1.62"]).args;
+        assert_eq!(parameters(&moon, &Scene::Tongue.build(1, 0.05)).gravity_m_s2.z, 1.62);
     }
 }
