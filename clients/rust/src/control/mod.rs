@@ -7,5 +7,5 @@ mod request;
 
 pub(crate) use connection::{Connection, RETRY};
 pub(crate) use memory::{check_memory, commit_memory};
-pub(crate) use poll::{Backoff, SLICE};
+pub(crate) use poll::{Backoff, SLICE, deadline_in};
 pub(crate) use request::{Pending, Reply};

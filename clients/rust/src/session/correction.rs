@@ -1,7 +1,7 @@
 //! A correction, read in place in shared memory.
 
 use iceoryx2::sample::Sample;
-use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT};
+use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, limits};
 use untangled_transport::services::Ipc;
 
 use super::paths::{Paths, PathsSample};
@@ -30,6 +30,7 @@ impl Correction {
             status: Status::from_code(header.status).unwrap_or(Status::Internal),
             fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
             fault_value: header.fault_value,
+            field: field_at_fault(&header),
         })
     }
 
@@ -56,5 +57,18 @@ impl Correction {
     #[must_use]
     pub fn paths(&self) -> Option<Paths<'_>> {
         self.paths.as_ref().and_then(PathsSample::paths)
+    }
+}
+
+/// The field of the state's header at fault, which the daemon sends back beside the value.
+fn field_at_fault(header: &CorrectionHeader) -> Option<&'static str> {
+    if header.status != Status::BadHeader.code() {
+        None
+    } else if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&header.dt_s) {
+        Some("dt_s")
+    } else if !header.simulated_s.is_finite() {
+        Some("simulated_s")
+    } else {
+        Some("num_vertices")
     }
 }
