@@ -308,8 +308,13 @@ untangled_error untangled_register(untangled_client client,
                                    const untangled_registration *registration,
                                    untangled_session *session);
 
-// Ends a session. What it has lent, positions and corrections, must not be used any more.
+// Ends a session and tells the daemon, which has a second to take note. What the session has lent, positions and
+// corrections, must not be used any more.
 untangled_error untangled_close(untangled_session session);
+
+// A deadline in microseconds for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle;
+// 0 for no session.
+uint64_t untangled_default_deadline_us(untangled_session session);
 
 // Number of vertices of a session; 0 for no session.
 size_t untangled_num_vertices(untangled_session session);
@@ -349,7 +354,7 @@ untangled_error untangled_begin_frame_f64(untangled_session session,
                                           double **positions);
 
 // Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any
-// more, also after an error.
+// more, also after an error, except `UNTANGLED_INVALID_ARGUMENT`, which leaves the frame begun.
 //
 // # Safety
 // `frame` is null or may be written.

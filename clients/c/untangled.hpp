@@ -203,6 +203,10 @@ public:
         check(untangled_exchange(session_, simulated_s, dt_s, data, positions.size(), microseconds(deadline), &view));
         return {session_, view};
     }
+    /// A deadline for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle.
+    Duration default_deadline() const {
+        return Duration(static_cast<Duration::rep>(untangled_default_deadline_us(session_)));
+    }
     /// Replaces the settings from the next frame on.
     void update_settings(const std::string &json, Duration timeout) {
         check(untangled_update_settings(session_, json.c_str(), microseconds(timeout)));

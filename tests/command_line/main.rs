@@ -9,4 +9,5 @@ mod fix_files;
 mod fix_inputs;
 mod manual;
 mod mesh_folder;
+mod publish;
 mod strangers;

@@ -46,6 +46,64 @@ fn settings_page_names_every_key_with_its_default() {
     }
 }
 
+/// Whether a session may choose this value of a setting.
+fn is_accepted(name: &str, value: &serde_json::Value) -> bool {
+    if name == "quality" {
+        return serde_json::from_value::<untangle::settings::Quality>(value.clone()).is_ok();
+    }
+    let chosen = serde_json::json!({ name: value });
+    serde_json::from_value::<Settings>(chosen).is_ok_and(|settings| settings.validate().is_ok())
+}
+
+/// Values at the ends of a range, and values beyond them, as the protocol's table says them.
+fn ends(range: &str) -> (Vec<serde_json::Value>, Vec<serde_json::Value>) {
+    let number = |text: &str| match text.trim_matches('`') {
+        "min_centres" => i64::try_from(Settings::default().min_centres).unwrap(),
+        "max_centres" => i64::try_from(Settings::default().max_centres).unwrap(),
+        text => text.parse().unwrap(),
+    };
+    if let Some((least, most)) = range.split_once(" to ") {
+        let (least, most) = (number(least), number(most));
+        return (vec![least.into(), most.into()], vec![(least - 1).into(), (most + 1).into()]);
+    }
+    if let Some(least) = range.strip_suffix(" or more") {
+        return (vec![number(least).into(), 1_000_000.into()], vec![(number(least) - 1).into()]);
+    }
+    let words = range.split('`').skip(1).step_by(2).map(serde_json::Value::from).collect();
+    (words, vec!["no such word".into()])
+}
+
+#[test]
+fn protocol_names_every_setting_with_its_type_and_range() {
+    let page = fs::read_to_string(root().join("proto/PROTOCOL.md")).unwrap();
+    let section = page.split("\n## ").find(|section| section.starts_with("Settings\n")).unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let rows: Vec<Vec<&str>> = rows.map(|row| row.trim_matches('|').split('|').map(str::trim).collect()).collect();
+    let optional = Settings { thickness_m: Some(1.0), deadline_us: Some(1), ..Settings::default() };
+    let all = serde_json::to_value(optional).unwrap();
+    let names: Vec<&str> = rows.iter().map(|row| row[0].trim_matches('`')).collect();
+    for name in all.as_object().unwrap().keys() {
+        assert!(names.contains(&name.as_str()), "the table has no row for `{name}`");
+    }
+    assert_eq!(names.len(), all.as_object().unwrap().len() + 1, "{names:?}");
+    for (name, row) in names.iter().zip(&rows) {
+        let (mut good, mut bad) = match row[1] {
+            "bool" => (vec![true.into()], vec![1.into()]),
+            _ => ends(row[2]),
+        };
+        let null = if row[1].ends_with("or null") { &mut good } else { &mut bad };
+        null.push(serde_json::Value::Null);
+        if row[1].starts_with("integer") {
+            bad.push(7.5.into());
+        }
+        if row[1].starts_with("number") {
+            good.push(7.5.into());
+        }
+        assert!(good.iter().all(|value| is_accepted(name, value)), "`{name}` refuses one of {good:?}");
+        assert!(bad.iter().all(|value| !is_accepted(name, value)), "`{name}` takes one of {bad:?}");
+    }
+}
+
 /// All Markdown pages below a folder.
 fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
@@ -56,6 +114,45 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
             found.push(path);
         }
     }
+}
+
+/// All Rust files below a folder, but for what was built.
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() && name != "target" && !name.starts_with('.') {
+            rust_files(&path, found);
+        } else if name.ends_with(".rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn security_page_lists_every_file_with_unsafe_blocks_and_their_number() {
+    let page = fs::read_to_string(root().join("SECURITY.md")).unwrap();
+    let section = page.split("\n## ").find(|section| section.starts_with("Unsafe code")).unwrap();
+    let rows: Vec<Vec<&str>> =
+        section.lines().filter(|line| line.contains('`')).map(|l| l.split('|').collect()).collect();
+    let counts = rows.iter().filter_map(|row| row.get(2)).flat_map(|cell| cell.split(','));
+    let listed: usize = counts.filter_map(|count| count.trim().parse::<usize>().ok()).sum();
+    let mut files = Vec::new();
+    rust_files(&root(), &mut files);
+    let mut found = 0;
+    // In two parts, so that this file has none.
+    let [block, implementation] = ["{", "impl"].map(|what| ["unsafe", what].join(" "));
+    for path in files {
+        let text = fs::read_to_string(&path).unwrap();
+        let blocks = text.lines().filter(|line| line.contains(&block) || line.contains(&implementation)).count();
+        let mut names = path.iter().rev().map(|name| name.to_string_lossy());
+        let file = names.next().unwrap();
+        let folder = names.next().unwrap();
+        let is_listed = section.contains(&format!("{file}`")) || section.contains(&format!("`{folder}`"));
+        assert!(blocks == 0 || is_listed, "SECURITY.md does not name {}", path.display());
+        found += blocks;
+    }
+    assert_eq!(listed, found, "blocks of unsafe in SECURITY.md, and in the code");
 }
 
 /// The lines of a page outside of code blocks, code spans emptied.

@@ -1,6 +1,10 @@
 //! Calls for connections and sessions: connect, register, settings, status, close.
 
-use std::{ffi::c_char, time::Duration};
+use std::{
+    ffi::c_char,
+    sync::{Arc, PoisonError},
+    time::Duration,
+};
 
 use client::{Client, ClientOptions};
 
@@ -14,6 +18,9 @@ use crate::{
 
 /// The version of this interface. It changes where a program has to be compiled again.
 pub const UNTANGLED_ABI_VERSION: u32 = 1;
+
+/// How long a session that is closed waits for the daemon to take note.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// `UNTANGLED_ABI_VERSION` of the library that was linked, to compare with that of the header.
 #[unsafe(no_mangle)]
@@ -74,10 +81,31 @@ pub unsafe extern "C" fn untangled_register(
     })
 }
 
-/// Ends a session. What it has lent, positions and corrections, must not be used any more.
+/// Ends a session and tells the daemon, which has a second to take note. What the session has lent, positions and
+/// corrections, must not be used any more.
 #[unsafe(no_mangle)]
 pub extern "C" fn untangled_close(session: SessionHandle) -> ErrorCode {
-    guard(|| SESSIONS.remove(session.id).map(drop))
+    guard(|| {
+        let session = SESSIONS.remove(session.id)?;
+        // Another thread that still uses it drops it; then the daemon finds out by itself.
+        if let Some(open) = Arc::into_inner(session) {
+            open.into_inner().unwrap_or_else(PoisonError::into_inner).close(CLOSE_TIMEOUT);
+        }
+        Ok(())
+    })
+}
+
+/// A deadline in microseconds for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle;
+/// 0 for no session.
+#[unsafe(no_mangle)]
+pub extern "C" fn untangled_default_deadline_us(session: SessionHandle) -> u64 {
+    let mut deadline_us = 0;
+    let code = guard(|| {
+        let deadline = lock(&*SESSIONS.get(session.id)?).session.default_deadline();
+        deadline_us = u64::try_from(deadline.as_micros()).unwrap_or(u64::MAX);
+        Ok(())
+    });
+    if code == ErrorCode::Ok { deadline_us } else { 0 }
 }
 
 /// Number of vertices of a session; 0 for no session.

@@ -71,20 +71,22 @@ unsafe fn begin<T>(
 }
 
 /// Sends the frame that was begun; its number goes to `frame`, unless that is null. The positions must not be used any
-/// more, also after an error.
+/// more, also after an error, except `UNTANGLED_INVALID_ARGUMENT`, which leaves the frame begun.
 ///
 /// # Safety
 /// `frame` is null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn untangled_send_frame(session: SessionHandle, frame: *mut u64) -> ErrorCode {
     guard(|| {
+        // Before anything is sent, so that a frame that is sent has no error.
+        // SAFETY: the caller's promise.
+        let place = if frame.is_null() { None } else { Some(unsafe { input::place("frame", frame) }?) };
         let session = SESSIONS.get(session.id)?;
         let mut open = lock(&session);
         let loan = open.loan.take().ok_or_else(no_frame)?;
         let number = open.session.send(loan)?;
-        if !frame.is_null() {
-            // SAFETY: the caller's promise.
-            unsafe { input::place("frame", frame) }?.write(number);
+        if let Some(place) = place {
+            place.write(number);
         }
         Ok(())
     })

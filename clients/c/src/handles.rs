@@ -1,6 +1,9 @@
 //! Handles that a caller holds: numbers that are looked up, so that a stale one is an error and never an address.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::{
+    sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock},
+    time::Duration,
+};
 
 use client::{Client, Correction, Loan, Session};
 
@@ -53,7 +56,10 @@ impl<T> Table<T> {
     }
 
     fn stale(&self, id: u64) -> Fault {
-        Fault::new(ErrorCode::InvalidHandle, format_args!("{id} is no open {}", self.what))
+        Fault::new(
+            ErrorCode::InvalidHandle,
+            format_args!("{id} is no open {0}: it was closed, or no {0} ever had this number", self.what),
+        )
     }
 }
 
@@ -75,6 +81,12 @@ pub(crate) struct OpenSession {
 impl OpenSession {
     pub(crate) fn new(session: Session) -> Self {
         Self { loan: None, held: [const { None }; MAX_HELD], last_token: 0, session }
+    }
+
+    /// Gives back what is held, and ends the session. A daemon that does not take note finds out by itself.
+    pub(crate) fn close(self, timeout: Duration) {
+        drop((self.loan, self.held));
+        let _ = self.session.close(timeout);
     }
 
     /// Called before a correction is received, so that none is lost.

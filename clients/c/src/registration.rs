@@ -165,22 +165,23 @@ impl ClothRegistration {
 }
 
 fn precision(code: u32) -> Result<Precision, Fault> {
-    Precision::from_code(code).ok_or_else(|| Fault::argument(format_args!("`precision` is {code}")))
+    Precision::from_code(code).ok_or_else(|| Fault::argument(format_args!("`precision` is {code}; it must be 0 or 1")))
 }
 
 fn correction(code: u32) -> Result<CorrectionKind, Fault> {
-    CorrectionKind::from_code(code).ok_or_else(|| Fault::argument(format_args!("`correction` is {code}")))
+    CorrectionKind::from_code(code)
+        .ok_or_else(|| Fault::argument(format_args!("`correction` is {code}; it must be 0 to 3")))
 }
 
 fn flag(name: &str, value: u32) -> Result<bool, Fault> {
     match value {
         0 => Ok(false),
         1 => Ok(true),
-        other => Err(Fault::argument(format_args!("`{name}` is {other}"))),
+        other => Err(Fault::argument(format_args!("`{name}` is {other}; it must be 0 or 1"))),
     }
 }
 
 /// Settings from a JSON text.
 pub(crate) fn parse(settings: &str) -> Result<serde_json::Value, Fault> {
-    serde_json::from_str(settings).map_err(|error| Fault::argument(format_args!("settings: {error}")))
+    serde_json::from_str(settings).map_err(|error| Fault::argument(format_args!("`settings_json` is no JSON: {error}")))
 }

@@ -19,6 +19,7 @@ use crate::{
     run::{RunOptions, run},
     scenes::Scene,
     solver::{Parameters, Solver},
+    values::{finite, json_object, not_negative, positive},
 };
 
 /// Simulates a cloth, publishes each step to an untangled daemon and applies its corrections.
@@ -81,7 +82,7 @@ pub struct PublishArgs {
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
     /// Settings of the untangler as a JSON object, by the names that `untangled config` explains.
-    #[arg(long, value_name = "JSON")]
+    #[arg(long, value_name = "JSON", value_parser = json_object)]
     pub settings: Option<serde_json::Value>,
     /// How long to wait for a correction before a step is made without.
     #[arg(long, value_name = "MILLISECONDS", default_value_t = 1000)]
@@ -114,7 +115,7 @@ pub struct ClothArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     pub substeps: u32,
     /// Gravity along -z in m/s^2 [default: 9.81 for scenes, 0 for files].
-    #[arg(long, value_name = "M_S2")]
+    #[arg(long, value_name = "M_S2", value_parser = finite, allow_negative_numbers = true)]
     pub gravity: Option<f64>,
     /// Mass of the cloth per area in kg/m^2.
     #[arg(long, value_name = "KG_M2", default_value_t = 0.2, value_parser = positive)]
@@ -126,10 +127,10 @@ pub struct ClothArgs {
     #[arg(long, value_name = "N_M", default_value_t = 1e-4, value_parser = positive)]
     pub bending: f64,
     /// Rate at which air slows the cloth down, in 1/s.
-    #[arg(long, value_name = "1_S", default_value_t = 8.0)]
+    #[arg(long, value_name = "1_S", default_value_t = 8.0, value_parser = not_negative)]
     pub drag: f64,
     /// Distance that self-contact keeps [default: a fifth of the mean edge length].
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = not_negative)]
     pub thickness_m: Option<f64>,
 }
 
@@ -154,13 +155,6 @@ impl From<Kind> for CorrectionKind {
             Kind::Velocity => Self::VelocityChange,
             Kind::Displacement => Self::Displacement,
         }
-    }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("expected a number greater than 0".into()),
     }
 }
 
@@ -206,7 +200,7 @@ pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostE
     write_obj(args.out.as_deref(), "after.obj", host.solver().cloth())?;
     if let Some(path) = &args.summary {
         let json = serde_json::to_string_pretty(&summary).map_err(io::Error::from)?;
-        fs::write(path, json + "\n")?;
+        fs::write(path, json + "\n").map_err(|source| HostError::File { path: path.clone(), source })?;
     }
     Ok(summary)
 }
@@ -246,7 +240,7 @@ fn host_options(args: &PublishArgs) -> HostOptions {
 
 fn write_obj(folder: Option<&Path>, name: &str, cloth: &Cloth) -> Result<(), HostError> {
     if let Some(folder) = folder {
-        fs::create_dir_all(folder)?;
+        fs::create_dir_all(folder).map_err(|source| HostError::File { path: folder.into(), source })?;
         obj::write(&folder.join(name), cloth)?;
     }
     Ok(())
@@ -261,5 +255,13 @@ mod tests {
         let args = Cli::parse_from(["untangled-publisher"]).args;
         let cloth = Scene::Tongue.build(1, 0.05);
         assert_eq!(parameters(&args, &cloth), Parameters::of_cloth(&cloth, 9.81));
+        let moon = Cli::parse_from(["untangled-publisher", "--gravity", "-1.62"]).args;
+        assert_eq!(parameters(&moon, &cloth).gravity_m_s2, Vec3::new(0.0, 0.0, 1.62));
+    }
+
+    #[test]
+    fn settings_reach_the_host_as_an_object() {
+        let args = Cli::parse_from(["untangled-publisher", "--settings", r#"{"quality": "accurate"}"#]).args;
+        assert_eq!(host_options(&args).settings, serde_json::json!({"quality": "accurate"}));
     }
 }

@@ -16,6 +16,7 @@
 
 use std::{
     io,
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -83,8 +84,16 @@ pub enum HostError {
     /// A mesh file can't be used.
     #[error(transparent)]
     Obj(#[from] ObjError),
-    /// A result can't be written.
-    #[error("{0}")]
+    /// A result can't be written into a file or folder.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A line can't be printed.
+    #[error("writing to standard output: {0}")]
     Output(#[from] io::Error),
 }
 

@@ -14,3 +14,4 @@ pub mod report;
 pub mod run;
 pub mod scenes;
 pub mod solver;
+mod values;

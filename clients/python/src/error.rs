@@ -15,7 +15,8 @@ create_exception!(
     untangled,
     FrameRefused,
     Error,
-    "The daemon could not use the frame; the message names the vertex and the value at fault. The session lives on."
+    "The frame can't be used; the message names the vertex, or the field, and the value at fault. `frame` is its \
+     number. The session lives on."
 );
 create_exception!(
     untangled,
@@ -69,24 +70,27 @@ pub(crate) fn wait(error: WaitError) -> PyErr {
             Missed::new_err(error.to_string())
         }
         WaitError::Refused(error) => refused(error),
-        WaitError::Receive { reason } => receive(&reason),
+        WaitError::Receive { .. } => receive(&error),
     }
 }
 
 pub(crate) fn newest(error: NewestError) -> PyErr {
     match error {
         NewestError::Refused(error) => refused(error),
-        NewestError::Receive { reason } => receive(&reason),
+        NewestError::Receive { .. } => receive(&error),
     }
 }
 
-fn refused(error: FrameRefusal) -> PyErr {
-    FrameRefused::new_err(error.to_string())
+/// A frame that was refused, with its number as the attribute `frame`.
+pub(crate) fn refused(error: FrameRefusal) -> PyErr {
+    let raised = FrameRefused::new_err(error.to_string());
+    let named = Python::attach(|py| raised.value(py).setattr("frame", error.frame));
+    named.err().unwrap_or(raised)
 }
 
-fn receive(reason: &str) -> PyErr {
+fn receive(error: &impl std::fmt::Display) -> PyErr {
     Error::new_err(format!(
-        "{reason}: a session lends three corrections at a time. Arrays that look into a correction hold it; \
+        "{error}; a session lends three corrections at a time. Arrays that look into a correction hold it; \
          copy what is to be kept"
     ))
 }

@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use pyo3::{
     exceptions::{PyRuntimeError, PyValueError},
     prelude::*,
-    types::{PyBytes, PyDict, PyList},
+    types::{PyByteArray, PyDict, PyList, PyString},
 };
 use untangle::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
-    relax::{Effort, RelaxSettings, relax},
+    relax::{Effort, Iteration, RelaxSettings, relax},
     settings::Settings,
 };
 use untangled_checker::count_edge_face;
@@ -83,11 +83,11 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
         record.set_item("partner", path.partner)?;
         record.set_item("closed", path.closed)?;
         let coordinates = points.iter().flat_map(|point| <[f64; 3]>::from(point.position.coords));
-        record.set_item("points", PyBytes::new(py, &of_f64s(coordinates)))?;
+        record.set_item("points", PyByteArray::new(py, &of_f64s(coordinates)))?;
         let faces = faces.flat_map(|segment| segment.map_or([u32::MAX; 2], |s| [s.own.0, s.partner.0]));
-        record.set_item("faces", PyBytes::new(py, &of_u32s(faces)))?;
+        record.set_item("faces", PyByteArray::new(py, &of_u32s(faces)))?;
         let region = analysis.regions.vertices_of(copy).iter().map(|vertex| vertex.0);
-        record.set_item("inside", PyBytes::new(py, &of_u32s(region)))?;
+        record.set_item("inside", PyByteArray::new(py, &of_u32s(region)))?;
         paths.append(record)?;
     }
     let intersections = &analysis.intersections;
@@ -97,16 +97,17 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
     });
     let pairs = intersections.segments.iter().flat_map(|segment| segment.faces.map(|face| face.0));
     let found = PyDict::new(py);
-    found.set_item("edge_face", PyBytes::new(py, &of_u32s(edges)))?;
-    found.set_item("face_pairs", PyBytes::new(py, &of_u32s(pairs)))?;
+    found.set_item("edge_face", PyByteArray::new(py, &of_u32s(edges)))?;
+    found.set_item("face_pairs", PyByteArray::new(py, &of_u32s(pairs)))?;
     found.set_item("contour_length_m", analysis.paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>())?;
-    found.set_item("inside", PyBytes::new(py, &inside))?;
+    found.set_item("inside", PyByteArray::new(py, &inside))?;
     found.set_item("paths", paths)?;
     Ok(found)
 }
 
 /// Repairs one state: positions as bytes, the count of a check that shares no code with the repair, and blocked paths,
-/// by name.
+/// by name. `progress` is called after each iteration, with how many there were, the intersections, the length of the
+/// paths and the method; it ends the work where it returns `False` or raises.
 #[pyfunction]
 pub(crate) fn fix<'py>(
     py: Python<'py>,
@@ -114,33 +115,44 @@ pub(crate) fn fix<'py>(
     quality: &str,
     max_iterations: usize,
     single_precision: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let effort = match quality {
         "fast" => Effort::Fast,
         "balanced" => Effort::Balanced,
         "accurate" => Effort::Accurate,
-        other => return Err(PyValueError::new_err(format!("there is no quality {other:?}"))),
+        other => {
+            let message = format!("quality must be one of fast, balanced, accurate, not '{other}'");
+            return Err(PyValueError::new_err(message));
+        }
     };
     let (mesh, positions) = cloth.read()?;
     let triangles: Vec<[u32; 3]> = u32s("triangles", &cloth.triangles)?;
     let settings = RelaxSettings { effort, max_iterations, single_precision };
+    let mut raised = None;
     let (relaxed, left) = py.detach(|| {
-        // Ctrl-C ends the work between two iterations; the exception is raised when this returns.
-        let mut progress = |_: &_| match Python::attach(|py| py.check_signals()) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(_) => ControlFlow::Break(()),
+        let mut num_iterations = 0;
+        let mut report = |iteration: &Iteration| {
+            num_iterations += 1;
+            match reported(progress.as_ref(), num_iterations, iteration) {
+                Ok(flow) => flow,
+                Err(error) => {
+                    raised = Some(error);
+                    ControlFlow::Break(())
+                }
+            }
         };
-        let relaxed = relax(&mesh, &positions, &settings, &mut progress)
+        let relaxed = relax(&mesh, &positions, &settings, &mut report)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
         let left = count_edge_face(&relaxed.positions, &triangles)
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         Ok::<_, PyErr>((relaxed, left))
     })?;
-    if relaxed.interrupted {
-        return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(()));
+    if let Some(error) = raised {
+        return Err(error);
     }
     let result = PyDict::new(py);
-    result.set_item("vertices", PyBytes::new(py, &of_f64s(relaxed.positions.into_iter().flatten())))?;
+    result.set_item("vertices", PyByteArray::new(py, &of_f64s(relaxed.positions.into_iter().flatten())))?;
     result.set_item("num_edge_face_intersections", left)?;
     result.set_item("num_iterations", relaxed.history.len())?;
     let blocked = PyList::empty(py);
@@ -149,6 +161,20 @@ pub(crate) fn fix<'py>(
     }
     result.set_item("blocked", blocked)?;
     Ok(result)
+}
+
+/// Looks for Ctrl-C, and calls back; says whether to go on.
+fn reported(progress: Option<&Py<PyAny>>, num_iterations: usize, state: &Iteration) -> PyResult<ControlFlow<()>> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        let Some(progress) = progress else { return Ok(ControlFlow::Continue(())) };
+        let method = serde_json::to_value(state.method).ok();
+        let method = PyString::new(py, method.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default());
+        let arguments = (num_iterations, state.num_edge_face_intersections, state.path_length_m, method);
+        let answer = progress.bind(py).call1(arguments)?;
+        let goes_on = answer.is_none() || answer.is_truthy()?;
+        Ok(if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+    })
 }
 
 /// Edges that pierce a face, by a check that shares no code with the untangler.

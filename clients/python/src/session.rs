@@ -7,8 +7,10 @@ use std::{
 
 use pyo3::{exceptions::PyValueError, prelude::*};
 use untangled_client::{
-    Client, ClientOptions, CorrectionKind, Loan, Precision, Registration, Session, StepTime, Uvs, WaitError,
+    Client, ClientOptions, CorrectionKind, FrameRefusal, Loan, Precision, Registration, Session, Status, StepTime, Uvs,
+    WaitError,
 };
+use untangled_proto::limits;
 
 use crate::{
     bytes::{f64s, u32s},
@@ -90,6 +92,8 @@ impl NativeSession {
     fn begin(&self, py: Python<'_>, simulated_s: f64, dt_s: f64) -> PyResult<Memory> {
         py.detach(|| {
             self.with(|open| {
+                // Before the daemon sees it, so that neither a frame nor time is spent on it.
+                check_step(open.session.frame() + 1, simulated_s, dt_s)?;
                 open.loan = None;
                 let mut loan = open.session.loan(StepTime { simulated_s, dt_s }).map_err(error::publish)?;
                 let owner = Arc::new(loan.memory());
@@ -168,9 +172,23 @@ impl NativeSession {
         py.detach(|| self.with(|open| Ok(open.session.num_registrations())))
     }
 
-    /// Ends the session.
-    fn close(&self, py: Python<'_>) {
-        py.detach(|| drop(self.lock().take()));
+    /// How long to wait where the caller does not say.
+    #[getter]
+    fn default_deadline_s(&self, py: Python<'_>) -> PyResult<f64> {
+        py.detach(|| self.with(|open| Ok(open.session.default_deadline().as_secs_f64())))
+    }
+
+    /// Ends the session and tells the daemon; one that does not take note finds out by itself.
+    fn close(&self, py: Python<'_>, timeout_s: f64) -> PyResult<()> {
+        let timeout = seconds(timeout_s)?;
+        py.detach(|| {
+            let open = self.lock().take();
+            if let Some(Open { loan, session }) = open {
+                drop(loan);
+                let _ = session.close(timeout);
+            }
+        });
+        Ok(())
     }
 }
 
@@ -185,13 +203,28 @@ impl NativeSession {
     }
 }
 
+/// What the daemon would say of a frame's times.
+fn check_step(frame: u64, simulated_s: f64, dt_s: f64) -> PyResult<()> {
+    let (field, fault_value) = if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&dt_s) {
+        ("dt_s", dt_s)
+    } else if !simulated_s.is_finite() {
+        ("simulated_s", simulated_s)
+    } else {
+        return Ok(());
+    };
+    let status = Status::BadHeader;
+    Err(error::refused(FrameRefusal { frame, status, fault_index: None, fault_value, field: Some(field) }))
+}
+
 fn correction_kind(name: &str) -> PyResult<CorrectionKind> {
     match name {
         "force" => Ok(CorrectionKind::Force),
         "acceleration" => Ok(CorrectionKind::Acceleration),
         "velocity" => Ok(CorrectionKind::VelocityChange),
         "displacement" => Ok(CorrectionKind::Displacement),
-        other => Err(PyValueError::new_err(format!("there is no correction {other:?}"))),
+        other => Err(PyValueError::new_err(format!(
+            "correction must be one of force, acceleration, velocity, displacement, not '{other}'"
+        ))),
     }
 }
 

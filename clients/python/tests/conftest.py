@@ -38,8 +38,9 @@ class Daemon:
         raise RuntimeError("the daemon did not start")
 
     def stop(self, kill=False):
+        """Ends it, and returns what it said since it was ready."""
         (self.process.kill if kill else self.process.terminate)()
-        self.process.communicate()
+        return self.process.communicate()[1]
 
 
 @pytest.fixture

@@ -28,6 +28,35 @@ def test_fix_of_crossed_sheets_ends_clean_and_keeps_clean_input(sheets):
     assert again.vertices.tobytes() == result.vertices.tobytes()
 
 
+def test_fix_reports_each_iteration_and_ends_where_asked(sheets):
+    states = []
+    result = untangled.fix(sheets.vertices, sheets.triangles, progress=states.append)
+    assert [state.num_iterations for state in states] == list(range(1, result.num_iterations + 1))
+    assert states[-1].num_intersections == 0 and states[0].contour_length >= 0
+    assert {state.method for state in states} <= {"rbf", "push", "contour", "straighten", "settle"}
+
+    stopped = untangled.fix(sheets.vertices, sheets.triangles, progress=lambda state: False)
+    assert stopped.num_iterations == 1 and len(stopped.vertices) == len(sheets.vertices)
+    assert untangled.count_intersections(stopped.vertices, sheets.triangles) == stopped.num_intersections
+
+    def fails(state):
+        raise KeyError(state.num_iterations)
+
+    with pytest.raises(KeyError, match="1"):
+        untangled.fix(sheets.vertices, sheets.triangles, progress=fails)
+
+
+def test_results_are_writable_arrays_of_the_caller(crossed):
+    found = untangled.analyse(crossed.vertices, crossed.triangles)
+    fixed = untangled.fix(crossed.vertices, crossed.triangles)
+    arrays = [found.edge_face, found.face_pairs, found.inside, fixed.vertices]
+    arrays += [array for path in found.paths for array in (path.points, path.faces, path.inside)]
+    for array in arrays:
+        array[...] = 0
+        assert array.flags.writeable and not array.any()
+    assert untangled.analyse(crossed.vertices, crossed.triangles).num_intersections == 2
+
+
 def test_fix_does_not_move_pins(sheets):
     pins = np.arange(400)
     result = untangled.fix(sheets.vertices, sheets.triangles, pins=pins)

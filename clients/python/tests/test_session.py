@@ -155,6 +155,65 @@ def test_frame_block_that_raises_publishes_nothing(crossed, domain):
         assert session.exchange(crossed.vertices, deadline=DEADLINE).frame == 1
 
 
+def test_refused_frame_takes_no_time_and_the_next_one_is_served(crossed, domain):
+    with open_session(crossed, domain, dt=0.01) as session:
+        session.exchange(crossed.vertices, deadline=DEADLINE)
+        for step in ({"dt": np.nan}, {"dt": 0.0}, {"dt": np.inf}, {"time": np.nan}):
+            with pytest.raises(untangled.FrameRefused, match="dt_s|simulated_s") as refusal:
+                session.exchange(crossed.vertices, deadline=DEADLINE, **step)
+            assert refusal.value.frame == 2 and session.last_frame == 1 and session.time == 0.01
+        bad = crossed.vertices.copy()
+        bad[4, 1] = np.nan
+        with pytest.raises(untangled.FrameRefused, match="vertex 4 is NaN") as refusal:
+            session.exchange(bad, deadline=DEADLINE)
+        assert refusal.value.frame == session.last_frame == 2 and session.time == 0.01
+        correction = session.exchange(crossed.vertices, deadline=DEADLINE)
+        assert correction.summary["simulated_s"] == 0.01 and session.time == 0.02
+
+
+def test_arguments_that_cannot_be_used_publish_nothing(crossed, domain):
+    with open_session(crossed, domain) as session:
+        for deadline in (-1.0, np.nan):
+            with pytest.raises(ValueError, match="deadline"):
+                session.exchange(crossed.vertices, deadline=deadline)
+        with pytest.raises(TypeError, match="positions"):
+            session.exchange({"a": 1})
+        with pytest.raises(TypeError):
+            session.exchange(crossed.vertices.astype(complex))
+        assert session.last_frame == 0 and session.time == 0.0
+        assert session.exchange(crossed.vertices, deadline=np.float32(DEADLINE)).frame == 1
+
+
+def test_default_deadline_grows_with_the_cloth(crossed, sheets, domain):
+    deadlines = []
+    for mesh in (crossed, sheets):
+        with open_session(mesh, domain) as session:
+            session.exchange(mesh.vertices)
+            deadlines.append(session.default_deadline)
+    assert deadlines == pytest.approx([0.2 + 2 * 20e-6, 0.2 + len(sheets.triangles) * 20e-6])
+
+
+def test_session_that_is_left_is_closed_and_not_lost(crossed, daemon):
+    with open_session(crossed, daemon.domain) as session:
+        session.exchange(crossed.vertices, deadline=DEADLINE)
+        assert len(untangled.status(domain=daemon.domain)["sessions"]) == 1
+    assert untangled.status(domain=daemon.domain)["sessions"] == []
+    session.close()
+    said = daemon.stop()
+    assert "session" in said and "host is gone" not in said
+    daemon.start()
+
+
+def test_session_of_killed_daemon_closes_at_once(crossed, daemon):
+    session = open_session(crossed, daemon.domain)
+    session.exchange(crossed.vertices, deadline=DEADLINE)
+    daemon.stop(kill=True)
+    begin = time.monotonic()
+    session.close(timeout=DEADLINE)
+    assert time.monotonic() - begin < DEADLINE / 2
+    daemon.start()
+
+
 def test_bad_registration_frame_or_settings_raise_error_naming_the_fault(crossed, domain):
     with pytest.raises(untangled.Refused, match="9"):
         open_session(crossed, domain, num_vertices=6, pins=[9])

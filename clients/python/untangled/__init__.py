@@ -16,7 +16,7 @@ Lengths are in metres, times in seconds, masses in kilograms, forces in newtons.
 
 from ._native import Error, FrameRefused, Missed, NoDaemon, Refused, __version__
 from .correction import Correction, Path, Paths
-from .library import Analysis, Fix, FoundPath, analyse, count_intersections, fix
+from .library import Analysis, Fix, FoundPath, Progress, analyse, count_intersections, fix
 from .session import Session, status
 
 INSIDE = 1
@@ -46,6 +46,7 @@ __all__ = [
     "NoDaemon",
     "Path",
     "Paths",
+    "Progress",
     "Refused",
     "Session",
     "__version__",

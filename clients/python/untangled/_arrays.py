@@ -1,15 +1,53 @@
-"""Checks and converts the arrays of a caller for the native half."""
+"""Checks and converts what a caller passes, for the native half."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Optional
+import json
+import math
+from typing import Any, Dict, Mapping, Optional
 
 import numpy as np
+from numpy.typing import NDArray
 
 
-def indices(name: str, values: Any, width: int) -> "np.ndarray":
+def host(name: str, values: Any) -> NDArray[Any]:
+    """`values` as a numpy array: without a copy where numpy, or an object's own `numpy()`, can look at its memory."""
+    if hasattr(values, "__cuda_array_interface__"):
+        raise TypeError(
+            f"{name} lies in the memory of a GPU: copy it to the host first, with `.numpy()` (Warp), `.cpu()` "
+            "(PyTorch) or `.get()` (CuPy)"
+        )
+    known = any(hasattr(values, way) for way in ("__array_interface__", "__array__", "__buffer__"))
+    if not known and callable(getattr(values, "numpy", None)):
+        values = values.numpy()
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{name} can't be read as an array: {error}") from None
+    if array.dtype == object:
+        raise TypeError(f"{name} can't be read as an array of numbers: it is of type {type(values).__name__}")
+    return array
+
+
+def document(settings: Optional[Mapping[str, Any]]) -> str:
+    """Settings as a JSON object; numbers of numpy are numbers."""
+    plain = {} if settings is None else dict(settings)
+    for name, value in plain.items():
+        if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
+            plain[name] = value = value.item()
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"setting {name!r} is {value}, which a session can't be sent")
+        try:
+            json.dumps(value)
+        except (TypeError, ValueError):
+            message = f"setting {name!r} must be a number, a text, a bool or None, not of type {type(value).__name__}"
+            raise TypeError(message) from None
+    return json.dumps(plain)
+
+
+def indices(name: str, values: Any, width: int) -> NDArray[np.uint32]:
     """`values` as contiguous uint32, `n x width`, or a plain list for width 1."""
-    given = np.asarray(values)
+    given = host(name, values)
     if given.size and given.dtype.kind not in "iu":
         raise TypeError(f"{name} must be integers, not {given.dtype}")
     if given.size and (given.min() < 0 or given.max() > 0xFFFFFFFF):
@@ -17,15 +55,15 @@ def indices(name: str, values: Any, width: int) -> "np.ndarray":
     return _shaped(name, given.astype(np.uint32, copy=False), width)
 
 
-def numbers(name: str, values: Any, width: int, length: Optional[int] = None) -> "np.ndarray":
+def numbers(name: str, values: Any, width: int, length: Optional[int] = None) -> NDArray[np.float64]:
     """`values` as contiguous float64, `length x width`, or a plain list for width 1."""
-    array = _shaped(name, np.asarray(values, dtype=np.float64), width)
+    array = _shaped(name, np.asarray(host(name, values), dtype=np.float64), width)
     if length is not None and len(array) != length:
         raise ValueError(f"{name} has {len(array)} elements; there are {length} vertices")
     return array
 
 
-def _shaped(name: str, array: "np.ndarray", width: int) -> "np.ndarray":
+def _shaped(name: str, array: NDArray[Any], width: int) -> NDArray[Any]:
     if width == 1:
         array = array.reshape(-1) if array.size == 0 else array
         if array.ndim != 1:
@@ -35,6 +73,20 @@ def _shaped(name: str, array: "np.ndarray", width: int) -> "np.ndarray":
         if array.ndim != 2 or array.shape[1] != width:
             raise ValueError(f"{name} must be of shape (n, {width}), not {array.shape}")
     return np.ascontiguousarray(array)
+
+
+def count_vertices(triangles: Any, masses: Any, rest_positions: Any, layers: Any) -> int:
+    """The longest of what has one element for each vertex, so that one that is too short is named; at least the highest
+    index plus one."""
+    faces = indices("triangles", triangles, 3)
+    counts = [int(faces.max()) + 1 if faces.size else 0]
+    if masses is not None:
+        counts.append(len(numbers("masses", masses, 1)))
+    if rest_positions is not None:
+        counts.append(len(numbers("rest_positions", rest_positions, 3)))
+    if layers is not None:
+        counts.append(len(indices("layers", layers, 1)))
+    return max(counts)
 
 
 def cloth(
@@ -51,8 +103,12 @@ def cloth(
     if uv is None and uv_triangles is not None:
         raise ValueError("uv_triangles without uv")
     if uv is not None and uv_triangles is None:
-        if len(np.asarray(uv).reshape(-1, 2)) != num_vertices:
-            raise ValueError("uv without uv_triangles must have one coordinate for each vertex")
+        num_coordinates = len(numbers("uv", uv, 2))
+        if num_coordinates != num_vertices:
+            raise ValueError(
+                f"uv has {num_coordinates} elements; there are {num_vertices} vertices, and uv without uv_triangles "
+                "must have one coordinate for each vertex"
+            )
         uv_triangles = faces
 
     def raw(array: Any) -> Optional[bytes]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, Iterator, Optional, Sequence, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._native import Error, NativeCorrection
 
@@ -14,9 +15,11 @@ PATH_TYPES = ("CLOSED", "LL", "BLI", "BLB", "BB", "BI", "II")
 
 
 class Path:
-    """One intersection path. Arrays are views into shared memory."""
+    """One intersection path. Arrays are read-only views into shared memory."""
 
-    def __init__(self, record: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
+    def __init__(
+        self, record: NDArray[np.uint32], points: NDArray[np.float64], faces: NDArray[np.uint32]
+    ) -> None:
         pair, pair_type, path_type, partner, closed, first, count = (int(word) for word in record[:7])
         # The daemon wrote these numbers; slices stay within the points that were received, for any numbers.
         self.points = points[first : first + count]
@@ -39,9 +42,11 @@ class Path:
 
 
 class Paths(Sequence[Path]):
-    """The intersection paths of a frame."""
+    """The intersection paths of a frame. Arrays are read-only views into shared memory."""
 
-    def __init__(self, records: "np.ndarray", points: "np.ndarray", faces: "np.ndarray") -> None:
+    def __init__(
+        self, records: NDArray[np.uint32], points: NDArray[np.float64], faces: NDArray[np.uint32]
+    ) -> None:
         self.records = records
         """`num_paths x 8`, as on the wire.
 
@@ -73,8 +78,8 @@ class Correction:
 
     `value`, `force`, `flags` and `paths` are read-only views into shared memory, without a copy. A session lends three
     corrections at a time, and an array that is a view of one holds it: copy what is to be kept
-    (`correction.force.copy()`). Views stay valid for as long as they live, even after the session is closed and the
-    daemon has ended. As a context manager a correction releases its own views at the end.
+    or changed (`correction.force.copy()`). Views stay valid for as long as they live, even after the session is closed
+    and the daemon has ended. As a context manager a correction releases its own views at the end.
     """
 
     def __init__(self, native: NativeCorrection) -> None:
@@ -90,31 +95,31 @@ class Correction:
         return self._cache[name]
 
     @property
-    def value(self) -> "np.ndarray":
-        """The correction of each vertex in the unit of `kind`, `num_vertices x 3` of float32."""
+    def value(self) -> NDArray[np.float32]:
+        """The correction of each vertex in the unit of `kind`, `num_vertices x 3` of float32. A read-only view."""
         return self._view("value", lambda native: np.asarray(native.values()))
 
     @property
-    def force(self) -> "np.ndarray":
-        """`value` of a session with `correction="force"`, in newtons; an error for the other kinds."""
+    def force(self) -> NDArray[np.float32]:
+        """`value` of a session with `correction="force"`, in newtons; else an error. A read-only view."""
         if self.kind != "force":
             hint = 'use `value`, or Session(..., correction="force")'
             raise Error(f"the session asked for {self.kind}, not for force: {hint}")
         return self.value
 
     @property
-    def flags(self) -> "np.ndarray":
-        """Flags of each vertex, `num_vertices` of uint32: `untangled.INSIDE` and so on."""
+    def flags(self) -> NDArray[np.uint32]:
+        """Flags of each vertex, `num_vertices` of uint32: `untangled.INSIDE` and so on. A read-only view."""
         return self._view("flags", lambda native: np.asarray(native.flags()))
 
     @property
-    def inside(self) -> "np.ndarray":
-        """Whether each vertex is inside, `num_vertices` of bool. Made from `flags`, once."""
+    def inside(self) -> NDArray[np.bool_]:
+        """Whether each vertex is inside, `num_vertices` of bool. Made from `flags` once, writable."""
         return self._view("inside", lambda _: (self.flags & 1) != 0)
 
     @property
-    def mask(self) -> "np.ndarray":
-        """Where the host's self-collision has to be off, `num_vertices` of bool. Made from `flags`, once."""
+    def mask(self) -> NDArray[np.bool_]:
+        """Where the host's self-collision has to be off, `num_vertices` of bool. Made from `flags` once, writable."""
         return self._view("mask", lambda _: (self.flags & 3) != 0)
 
     @property

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _native
 
 
 @dataclass(frozen=True)
 class FoundPath:
-    """One intersection path."""
+    """One intersection path. Arrays are the caller's own, and may be written."""
 
     type: str
     """CLOSED, LL, BLI, BLB, BB, BI or II."""
@@ -25,25 +25,25 @@ class FoundPath:
     """Index of the corresponding path; its own where it is its own."""
     closed: bool
     """Whether it is a loop on the cloth."""
-    points: "np.ndarray"
+    points: NDArray[np.float64]
     """World positions in metres, `num_points x 3`."""
-    faces: "np.ndarray"
+    faces: NDArray[np.uint32]
     """The face that the path runs through after each point, and the partner's, `num_points x 2`."""
-    inside: "np.ndarray"
+    inside: NDArray[np.uint32]
     """Vertices inside of it."""
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """What intersects in one state."""
+    """What intersects in one state. Arrays are the caller's own, and may be written."""
 
-    edge_face: "np.ndarray"
+    edge_face: NDArray[np.uint32]
     """For each edge that pierces a face its two vertices and the face, `n x 3`."""
-    face_pairs: "np.ndarray"
+    face_pairs: NDArray[np.uint32]
     """Intersecting pairs of faces, `n x 2`."""
     contour_length: float
     """Length of all paths in metres, each pair once."""
-    inside: "np.ndarray"
+    inside: NDArray[np.bool_]
     """Whether each vertex is inside, `num_vertices` of bool."""
     paths: List[FoundPath]
     """Intersection paths."""
@@ -55,11 +55,26 @@ class Analysis:
 
 
 @dataclass(frozen=True)
+class Progress:
+    """How far a repair is, after one of its iterations."""
+
+    num_iterations: int
+    """Iterations so far."""
+    num_intersections: int
+    """Edges that pierce a face now. 0 while the shape is being recovered."""
+    contour_length: float
+    """Length of all paths in metres."""
+    method: str
+    """What moved the cloth: rbf, push, contour, straighten or settle."""
+
+
+@dataclass(frozen=True)
 class Fix:
     """Result of a repair."""
 
-    vertices: "np.ndarray"
-    """Positions in metres, `num_vertices x 3` of float64; those of the input, bit for bit, if that was clean."""
+    vertices: NDArray[np.float64]
+    """Positions in metres, `num_vertices x 3` of float64; those of the input, bit for bit, if that was clean. The
+    caller's own array: it may be written."""
     num_intersections: int
     """Edges that pierce a face in `vertices`, by an exact check that shares no code with the repair."""
     num_iterations: int
@@ -82,14 +97,14 @@ def _mesh(
 
 
 def analyse(
-    vertices: Any,
-    triangles: Any,
-    uv: Any = None,
+    vertices: ArrayLike,
+    triangles: ArrayLike,
+    uv: Optional[ArrayLike] = None,
     *,
-    uv_triangles: Any = None,
-    rest_positions: Any = None,
-    pins: Any = None,
-    layers: Any = None,
+    uv_triangles: Optional[ArrayLike] = None,
+    rest_positions: Optional[ArrayLike] = None,
+    pins: Optional[ArrayLike] = None,
+    layers: Optional[ArrayLike] = None,
     settings: Optional[Mapping[str, Any]] = None,
 ) -> Analysis:
     """What intersects in one state, by exact signs. For the arguments see :class:`untangled.Session`.
@@ -98,7 +113,7 @@ def analyse(
         ValueError: the mesh, a position or a setting can't be used; the message names the element at fault.
     """
     mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
-    found = _native.analyse(mesh, json.dumps({} if settings is None else dict(settings)))
+    found = _native.analyse(mesh, _arrays.document(settings))
     paths = [
         FoundPath(
             type=path["type"],
@@ -121,7 +136,7 @@ def analyse(
     )
 
 
-def count_intersections(vertices: Any, triangles: Any) -> int:
+def count_intersections(vertices: ArrayLike, triangles: ArrayLike) -> int:
     """Number of edges that pierce a face, by an exact check that shares no code with the untangler.
 
     It judges results of the untangler. Slower than :func:`analyse`.
@@ -131,27 +146,31 @@ def count_intersections(vertices: Any, triangles: Any) -> int:
 
 
 def fix(
-    vertices: Any,
-    triangles: Any,
-    uv: Any = None,
+    vertices: ArrayLike,
+    triangles: ArrayLike,
+    uv: Optional[ArrayLike] = None,
     *,
-    uv_triangles: Any = None,
-    rest_positions: Any = None,
-    pins: Any = None,
-    layers: Any = None,
+    uv_triangles: Optional[ArrayLike] = None,
+    rest_positions: Optional[ArrayLike] = None,
+    pins: Optional[ArrayLike] = None,
+    layers: Optional[ArrayLike] = None,
     quality: str = "balanced",
     max_iterations: int = 100,
     single_precision: bool = False,
+    progress: Optional[Callable[[Progress], Optional[bool]]] = None,
 ) -> Fix:
     """Moves vertices as little as possible until nothing intersects. For the arguments see :class:`untangled.Session`.
 
     `single_precision` rounds every state to float32, so that `vertices.astype(numpy.float32)` is what was checked.
+    `progress` is called after each iteration. Where it returns False, the best state so far is the result; what it
+    raises ends the repair.
 
     Raises:
         ValueError: the mesh or a position can't be used. KeyboardInterrupt: between two iterations.
     """
     mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
-    result = _native.fix(mesh, quality, max_iterations, single_precision)
+    report = None if progress is None else (lambda *state: progress(Progress(*state)))
+    result = _native.fix(mesh, quality, max_iterations, single_precision, report)
     return Fix(
         vertices=np.frombuffer(result["vertices"], np.float64).reshape(-1, 3),
         num_intersections=result["num_edge_face_intersections"],

@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from typing import Any, Dict, Iterator, Mapping, Optional
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _arrays
-from ._native import NativeSession
+from ._native import FrameRefused, NativeSession
 from ._native import status as _status
 from .correction import KINDS, Correction
 
@@ -27,7 +28,8 @@ class Session:
         triangles: vertex indices, `num_triangles x 3`.
         uv: texture coordinates, `n x 2`; one for each vertex unless `uv_triangles` says otherwise.
         uv_triangles: the texture coordinate of each corner, `num_triangles x 3`.
-        num_vertices: taken from `masses`, `rest_positions` or `layers`, else the highest index plus one.
+        num_vertices: by default the length of `masses`, `rest_positions` or `layers`, and at least the highest index
+            plus one.
         rest_positions: unstrained positions in metres, `num_vertices x 3`.
         masses: kilograms, `num_vertices`; needed for forces.
         pins: vertices that the simulator does not let move.
@@ -36,8 +38,9 @@ class Session:
             force where there are masses, else displacement.
         dtype: float32 or float64: the precision in which positions are sent.
         paths: whether corrections bring the intersection paths.
-        settings: by name, as in `untangled config`, section `settings`; besides, `quality`.
-        dt: length of a step in seconds, where a call does not say another.
+        settings: by name, as in `untangled config`, section `settings`; besides, `quality`. Numbers of numpy are
+            taken for what they are.
+        dt: length of a step in seconds, where a call does not say another; 1e-9 to 1e9.
 
     Raises:
         NoDaemon, Refused (the message names the element at fault), ValueError, TypeError.
@@ -45,17 +48,17 @@ class Session:
 
     def __init__(
         self,
-        triangles: Any,
-        uv: Any = None,
+        triangles: ArrayLike,
+        uv: Optional[ArrayLike] = None,
         *,
-        uv_triangles: Any = None,
+        uv_triangles: Optional[ArrayLike] = None,
         num_vertices: Optional[int] = None,
-        rest_positions: Any = None,
-        masses: Any = None,
-        pins: Any = None,
-        layers: Any = None,
+        rest_positions: Optional[ArrayLike] = None,
+        masses: Optional[ArrayLike] = None,
+        pins: Optional[ArrayLike] = None,
+        layers: Optional[ArrayLike] = None,
         correction: Optional[str] = None,
-        dtype: Any = np.float32,
+        dtype: DTypeLike = np.float32,
         paths: bool = False,
         settings: Optional[Mapping[str, Any]] = None,
         dt: float = 1 / 60,
@@ -63,9 +66,7 @@ class Session:
         timeout: float = 5.0,
     ) -> None:
         if num_vertices is None:
-            known = [len(values) for values in (masses, rest_positions, layers) if values is not None]
-            faces = np.asarray(triangles)
-            num_vertices = known[0] if known else (int(faces.max()) + 1 if faces.size else 0)
+            num_vertices = _arrays.count_vertices(triangles, masses, rest_positions, layers)
         if correction is None:
             correction = "displacement" if masses is None else "force"
         if correction not in KINDS:
@@ -81,7 +82,9 @@ class Session:
         self.dt = dt
         """Length of a step in seconds, where a call does not say another."""
         self.time = 0.0
-        """Simulated time in seconds of the next frame; each frame adds its `dt`."""
+        """Simulated time in seconds of the next frame; each frame that was published, and not refused, adds its `dt`.
+        """
+        self._time_before = 0.0
         cloth = _arrays.cloth(num_vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
         weights = None if masses is None else _arrays.numbers("masses", masses, 1, num_vertices).tobytes()
         self._native = NativeSession(
@@ -92,29 +95,37 @@ class Session:
             double=self.dtype == np.float64,
             kind=correction,
             paths=paths,
-            settings=json.dumps({} if settings is None else dict(settings)),
+            settings=_arrays.document(settings),
             **cloth,  # type: ignore[arg-type]
         )
 
     def exchange(
-        self, positions: Any, dt: Optional[float] = None, *, time: Optional[float] = None, deadline: float = 0.05
+        self,
+        positions: ArrayLike,
+        dt: Optional[float] = None,
+        *,
+        time: Optional[float] = None,
+        deadline: Optional[float] = None,
     ) -> Correction:
         """Publishes `positions` (metres, `num_vertices x 3`) and waits up to `deadline` seconds for their correction.
 
-        This is lock step. Positions of any precision and strides are written directly into shared memory.
+        This is lock step. Positions of any precision and strides are written directly into shared memory. Without a
+        `deadline`, :attr:`default_deadline` holds.
 
         Raises:
             Missed: no correction this time. Go on without it; the next call tries again.
-            FrameRefused: a position is not finite, or `dt` can't be used.
+            FrameRefused: a position is not finite, or `dt` or `time` can't be used. :attr:`time` is as before.
         """
+        given = _arrays.host("positions", positions)
+        if given.shape != (self.num_vertices, 3):
+            raise ValueError(f"positions must be of shape {(self.num_vertices, 3)}, not {given.shape}")
+        deadline = self._checked(deadline)
         with self.frame(dt, time=time) as slots:
-            if np.shape(positions) != slots.shape:
-                raise ValueError(f"positions must be of shape {slots.shape}, not {np.shape(positions)}")
-            np.copyto(slots, positions, casting="same_kind")
+            np.copyto(slots, given, casting="same_kind")
         return self.wait(deadline=deadline)
 
     @contextmanager
-    def frame(self, dt: Optional[float] = None, *, time: Optional[float] = None) -> "Iterator[np.ndarray]":
+    def frame(self, dt: Optional[float] = None, *, time: Optional[float] = None) -> Iterator[NDArray[np.floating[Any]]]:
         """Lends the memory of the next frame, `num_vertices x 3`: write every position in it, in metres.
 
         The end of the block publishes the frame, an exception drops it. The array can't be written after that; other
@@ -122,6 +133,7 @@ class Session:
 
         Raises:
             Missed: the daemon went away; this frame is lost.
+            FrameRefused: `dt` or `time` can't be used; nothing was lent.
         """
         step = self.dt if dt is None else dt
         now = self.time if time is None else time
@@ -133,21 +145,50 @@ class Session:
             self._native.abandon()
             raise
         slots.flags.writeable = False
-        self.time = now + step
         self._native.send()
+        self._time_before, self.time = self.time, now + step
 
-    def wait(self, frame: Optional[int] = None, *, deadline: float = 0.05) -> Correction:
+    def wait(self, frame: Optional[int] = None, *, deadline: Optional[float] = None) -> Correction:
         """The correction of a frame, by default of the last one that was published. See :meth:`exchange`."""
-        return Correction(self._native.wait(self._native.frame if frame is None else frame, deadline))
+        deadline = self._checked(deadline)
+        try:
+            return Correction(self._native.wait(self._native.frame if frame is None else frame, deadline))
+        except FrameRefused as refusal:
+            self._take_back(refusal)
+            raise
 
     def newest(self) -> Optional[Correction]:
         """The newest correction that has come since the last call, if any: free running. Does not wait."""
-        native = self._native.newest()
+        try:
+            native = self._native.newest()
+        except FrameRefused as refusal:
+            self._take_back(refusal)
+            raise
         return None if native is None else Correction(native)
+
+    def _take_back(self, refusal: FrameRefused) -> None:
+        """A frame that was refused takes no simulated time, unless newer ones were published."""
+        if refusal.frame == self._native.frame:
+            self.time = self._time_before
+
+    def _checked(self, deadline: Optional[float]) -> float:
+        """Before anything is published."""
+        deadline = self.default_deadline if deadline is None else float(deadline)
+        if not deadline >= 0:
+            raise ValueError(f"deadline must be a number of seconds that is not negative, not {deadline}")
+        return deadline
 
     def update_settings(self, settings: Mapping[str, Any], *, timeout: float = 5.0) -> None:
         """Replaces the settings from the next frame on; names left out take the daemon's defaults."""
-        self._native.update_settings(json.dumps(dict(settings)), timeout)
+        self._native.update_settings(_arrays.document(settings), timeout)
+
+    @property
+    def default_deadline(self) -> float:
+        """How long calls without a deadline wait, in seconds: 0.2, and 20 microseconds for each triangle.
+
+        That leaves room for a busy machine. A host that has a frame rate to keep passes its own `deadline`.
+        """
+        return self._native.default_deadline_s
 
     @property
     def last_frame(self) -> int:
@@ -159,9 +200,12 @@ class Session:
         """How often the session was registered: more than once if a daemon went away."""
         return self._native.num_registrations
 
-    def close(self) -> None:
-        """Ends the session. Corrections stay readable."""
-        self._native.close()
+    def close(self, *, timeout: float = 1.0) -> None:
+        """Ends the session, and tells the daemon, which has up to `timeout` seconds to take note.
+
+        Corrections stay readable.
+        """
+        self._native.close(timeout)
 
     def __enter__(self) -> "Session":
         return self

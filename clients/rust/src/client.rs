@@ -10,7 +10,7 @@ use untangled_proto::{ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status, c
 use untangled_transport::Domain;
 
 use crate::{
-    control::{Connection, Pending, RETRY},
+    control::{Connection, Pending, RETRY, deadline_in},
     error::{ConnectError, RegisterError, RequestError},
     registration::Registration,
     session::Session,
@@ -48,7 +48,7 @@ impl Client {
         set_log_level_from_env_or(LogLevel::Fatal);
         let domain = Domain::locate(options.domain.as_deref())?;
         let config = domain.config()?;
-        let deadline = Instant::now() + options.timeout;
+        let deadline = deadline_in(options.timeout);
         loop {
             let opened = Connection::open(&domain, &config, options.timeout);
             match opened.and_then(|connection| hello(&connection, deadline).map(|hello| (connection, hello))) {
@@ -86,8 +86,8 @@ impl Client {
     /// [`RequestError`].
     pub fn status(&self) -> Result<serde_json::Value, RequestError> {
         let pending = Pending::send(&self.connection, RequestKind::Status, 0, &[], 0)?;
-        let reply = pending.wait(&self.connection, Instant::now() + self.connection.timeout)?;
-        serde_json::from_str(&reply.text).map_err(|error| RequestError::transport("reading the status", &error))
+        let reply = pending.wait(&self.connection, deadline_in(self.connection.timeout))?;
+        serde_json::from_str(&reply.text).map_err(|error| RequestError::in_words("reading the status", &error))
     }
 }
 
@@ -102,7 +102,7 @@ fn hello(connection: &Connection, deadline: Instant) -> Result<Hello, ConnectErr
         other => other?,
     };
     let hello: Hello = serde_json::from_str(&reply.text)
-        .map_err(|error| RequestError::transport("reading the daemon's greeting", &error))?;
+        .map_err(|error| RequestError::in_words("reading the daemon's greeting", &error))?;
     if hello.protocol_version != PROTOCOL_VERSION {
         let theirs = hello.protocol_version;
         return Err(version(format!("the daemon speaks protocol {theirs}, this client {PROTOCOL_VERSION}")));

@@ -1,9 +1,9 @@
 //! Errors: one type for each operation of a host.
 
-use std::time::Duration;
+use std::{fmt, time::Duration};
 
 use thiserror::Error;
-use untangled_proto::{Precision, Status};
+use untangled_proto::{Precision, Status, limits};
 use untangled_transport::{Domain, DomainError, search};
 
 /// Why a request to the daemon failed.
@@ -18,7 +18,7 @@ pub enum RequestError {
         searched: String,
     },
     /// The daemon did not answer in time.
-    #[error("the untangled daemon of domain `{domain}` did not answer within {waited:?}")]
+    #[error("the untangled daemon of domain `{domain}` did not answer within {}", InWords(*waited))]
     Timeout {
         /// The domain.
         domain: String,
@@ -42,11 +42,11 @@ pub enum RequestError {
         free: u64,
     },
     /// The transport failed.
-    #[error("{what} failed: iceoryx2 reports {reason}")]
+    #[error("{what} failed: {reason}")]
     Transport {
         /// What was tried.
         what: &'static str,
-        /// The error of iceoryx2.
+        /// What iceoryx2 or the system said.
         reason: String,
     },
 }
@@ -56,13 +56,37 @@ impl RequestError {
         Self::NoDaemon { domain: domain.name().to_owned(), searched: search::explain(domain) }
     }
 
-    pub(crate) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
-        Self::Transport { what, reason: format!("{reason:?}") }
+    /// An error of iceoryx2, which has names for its errors and no words.
+    pub(crate) fn transport(what: &'static str, name: &impl fmt::Debug) -> Self {
+        Self::Transport { what, reason: iceoryx2_says(name) }
+    }
+
+    /// An error with words of its own.
+    pub(crate) fn in_words(what: &'static str, reason: &impl fmt::Display) -> Self {
+        Self::Transport { what, reason: reason.to_string() }
     }
 
     /// Whether another attempt may succeed: daemons start, and places in services that dead nodes occupy become free.
     pub(crate) fn may_pass(&self) -> bool {
         matches!(self, Self::NoDaemon { .. } | Self::Transport { .. })
+    }
+}
+
+/// The name of an error of iceoryx2, said to be one.
+pub(crate) fn iceoryx2_says(name: &impl fmt::Debug) -> String {
+    format!("iceoryx2 says {name:?}")
+}
+
+/// A length of time for a reader. Takes no memory, since a host may ask for the words of each late frame.
+struct InWords(Duration);
+
+impl fmt::Display for InWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 < Duration::from_secs(1) {
+            write!(f, "{} ms", self.0.as_millis())
+        } else {
+            write!(f, "{:.1} s", self.0.as_secs_f64())
+        }
     }
 }
 
@@ -167,7 +191,10 @@ impl FrameRefusal {
                 format!("vertex {vertex} (counted from 0) has coordinate {value}; it must be finite and at most 2^250")
             }
             (Status::BadHeader, _) => match self.header_field {
-                Some("dt_s") => format!("the step dt_s is {value}; it must be from 1e-9 to 1e9 s"),
+                Some("dt_s") => {
+                    let [least, most] = [limits::MIN_DT_S, limits::MAX_DT_S];
+                    format!("the step dt_s is {value}; it must be from {least:e} to {most:e} seconds")
+                }
                 Some("simulated_s") => format!("the time simulated_s is {value}; it must be finite"),
                 _ => format!("it has {value} positions; there must be as many as registered"),
             },
@@ -181,7 +208,7 @@ impl FrameRefusal {
 #[derive(Clone, Debug, Error)]
 pub enum WaitError {
     /// It did not come in time.
-    #[error("no correction of frame {frame} within {waited:?}")]
+    #[error("no correction of frame {frame} within {}", InWords(*waited))]
     Timeout {
         /// The frame.
         frame: u64,
@@ -206,7 +233,7 @@ pub enum WaitError {
     #[error(transparent)]
     Refused(#[from] FrameRefusal),
     /// The transport failed; most likely too many corrections are held.
-    #[error("receiving a correction failed, most likely since too many are held: iceoryx2 reports {reason}")]
+    #[error("receiving a correction failed, most likely since too many are held: {reason}")]
     Receive {
         /// The error of iceoryx2.
         reason: String,
@@ -220,7 +247,7 @@ pub enum NewestError {
     #[error(transparent)]
     Refused(#[from] FrameRefusal),
     /// The transport failed; most likely too many corrections are held.
-    #[error("receiving a correction failed, most likely since too many are held: iceoryx2 reports {reason}")]
+    #[error("receiving a correction failed, most likely since too many are held: {reason}")]
     Receive {
         /// The error of iceoryx2.
         reason: String,
@@ -236,4 +263,39 @@ pub enum ExchangeError {
     /// The correction did not come.
     #[error(transparent)]
     Wait(#[from] WaitError),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_words_for_readers_and_no_names_of_this_code() {
+        let refusal = FrameRefusal {
+            frame: 3,
+            status: Status::BadPosition,
+            fault_index: Some(7),
+            fault_value: f64::NAN,
+            field: None,
+        };
+        let header = |field| FrameRefusal { status: Status::BadHeader, fault_index: None, field, ..refusal };
+        let refused = RequestError::Refused { status: Status::BadMesh, message: "face 3 has vertex 9".into() };
+        let messages = [
+            (refusal.to_string(), "a coordinate of vertex 7 is NaN"),
+            (header(Some("dt_s")).to_string(), "the step dt_s is NaN; it must be from 1e-9 to 1e9 seconds"),
+            (header(Some("simulated_s")).to_string(), "simulated_s is NaN"),
+            (header(None).to_string(), "NaN"),
+            (FrameRefusal { status: Status::Internal, ..refusal }.to_string(), "defect"),
+            (refused.to_string(), "refused: face 3"),
+            (WaitError::Timeout { frame: 3, waited: Duration::from_micros(50_123) }.to_string(), "within 50 ms"),
+            (WaitError::Timeout { frame: 3, waited: Duration::from_millis(1500) }.to_string(), "within 1.5 s"),
+            (PublishError::Precision { registered: Precision::F64 }.to_string(), "in double precision"),
+        ];
+        for (message, part) in messages {
+            assert!(message.contains(part), "`{part}` is not in `{message}`");
+            for internal in ["Some(", "None", "Bad", "F64", "F32", "::"] {
+                assert!(!message.contains(internal), "{message}");
+            }
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! What a host links to talk to the untangled daemon.
 //!
 //! ```no_run
-//! use std::time::Duration;
 //! use untangled_client::{Client, ClientOptions, Registration, StepTime, flags};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -13,7 +12,8 @@
 //! })?;
 //! let mut cloth = vec![[0.0f32; 3]; 3];
 //! let step = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
-//! let correction = session.exchange(step, Duration::from_millis(50), |positions| positions.copy_from_slice(&cloth))?;
+//! let deadline = session.default_deadline(); // or what is left of your frame
+//! let correction = session.exchange(step, deadline, |positions| positions.copy_from_slice(&cloth))?;
 //! for (position, vertex) in cloth.iter_mut().zip(correction.vertices()) {
 //!     for (x, dx) in position.iter_mut().zip(vertex.value) {
 //!         *x += dx; // the default kind of correction is a displacement in metres

@@ -119,6 +119,21 @@ static void frames(untangled_client client, untangled_session session) {
     EXPECT(UNTANGLED_FRAME_REFUSED, untangled_wait(session, frame, 60000000, &none));
     SAYS("vertex 2 (counted from 0)");
     EXPECT(UNTANGLED_FRAME_REFUSED, untangled_exchange(session, 0, -1.0, flat, 4, 60000000, &none));
+    SAYS("dt_s is -1");
+    EXPECT(UNTANGLED_FRAME_REFUSED, untangled_exchange(session, NAN, 0.01, flat, 4, 60000000, &none));
+    SAYS("simulated_s is NaN");
+
+    /* A number that can't be written is an error before anything is sent: the frame stays begun. */
+    EXPECT(UNTANGLED_OK, untangled_begin_frame(session, 0, 0.01, &positions));
+    memcpy(positions, flat, sizeof flat);
+    EXPECT(UNTANGLED_INVALID_ARGUMENT, untangled_send_frame(session, (uint64_t *)((char *)&frame + 1)));
+    EXPECT(UNTANGLED_OK, untangled_send_frame(session, &frame));
+    EXPECT(UNTANGLED_OK, untangled_wait(session, frame, UINT64_MAX, &none));
+    EXPECT(UNTANGLED_OK, untangled_release(session, &none));
+    if (untangled_default_deadline_us(session) != 200040) {
+        fprintf(stderr, "a deadline of %llu us\n", (unsigned long long)untangled_default_deadline_us(session));
+        exit(1);
+    }
 
     /* Three are lent at a time; each is given back once. */
     for (int k = 0; k < 3; ++k) {

@@ -6,6 +6,6 @@ mod request;
 mod room;
 
 pub(crate) use connection::{Connection, RETRY};
-pub(crate) use poll::{Backoff, SLICE};
+pub(crate) use poll::{Backoff, SLICE, deadline_in};
 pub(crate) use request::{Pending, Reply};
 pub(crate) use room::{check_memory, commit_memory};

@@ -4,7 +4,7 @@
 //! notified with nothing to wake it, and later notifications trust that mark. A new wait of the listener clears it. So
 //! a wait is a sequence of short waits, each longer than the one before.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::Listener;
 use untangled_transport::services::Ipc;
@@ -13,6 +13,13 @@ use untangled_transport::services::Ipc;
 pub(crate) const SLICE: Duration = Duration::from_millis(50);
 const FIRST: Duration = Duration::from_millis(1);
 const GROWTH: u32 = 4;
+
+/// The instant so much later; a time that is too long for the clock's numbers ends in a year.
+pub(crate) fn deadline_in(time: Duration) -> Instant {
+    const YEAR: Duration = Duration::from_secs(31_536_000);
+    let now = Instant::now();
+    now.checked_add(time).unwrap_or(now + YEAR)
+}
 
 /// The length of the next short wait.
 #[derive(Debug)]

@@ -22,6 +22,6 @@ pub(crate) fn commit_memory(domain: &Domain, port_id: u128, needed: u64) -> Resu
         Err(error) if error.kind() == std::io::ErrorKind::StorageFull => {
             Err(RequestError::NotEnoughMemory { needed, free: memory::free().unwrap_or(0) })
         }
-        Err(error) => Err(RequestError::transport("taking shared memory", &error)),
+        Err(error) => Err(RequestError::in_words("taking shared memory", &error)),
     }
 }

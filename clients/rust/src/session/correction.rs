@@ -18,18 +18,6 @@ pub struct Correction {
     paths: Option<PathsSample>,
 }
 
-/// The field of a state's header that the daemon could not use: the first of those that it checks, which a correction
-/// repeats.
-fn field_at_fault(header: &CorrectionHeader) -> &'static str {
-    if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&header.dt_s) {
-        "dt_s"
-    } else if header.simulated_s.is_finite() {
-        "num_vertices"
-    } else {
-        "simulated_s"
-    }
-}
-
 impl Correction {
     /// A sample as a correction, if the daemon could use the frame.
     pub(crate) fn new(sample: CorrectionSample, paths: Option<PathsSample>) -> Result<Self, FrameRefusal> {
@@ -42,7 +30,7 @@ impl Correction {
             status: Status::from_code(header.status).unwrap_or(Status::Internal),
             fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
             fault_value: header.fault_value,
-            header_field: (header.status == Status::BadHeader.code()).then(|| field_at_fault(&header)),
+            header_field: field_at_fault(&header),
         })
     }
 
@@ -69,5 +57,18 @@ impl Correction {
     #[must_use]
     pub fn paths(&self) -> Option<Paths<'_>> {
         self.paths.as_ref().and_then(PathsSample::paths)
+    }
+}
+
+/// The field of the state's header at fault, which the daemon sends back beside the value.
+fn field_at_fault(header: &CorrectionHeader) -> Option<&'static str> {
+    if header.status != Status::BadHeader.code() {
+        None
+    } else if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&header.dt_s) {
+        Some("dt_s")
+    } else if !header.simulated_s.is_finite() {
+        Some("simulated_s")
+    } else {
+        Some("num_vertices")
     }
 }

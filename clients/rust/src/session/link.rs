@@ -87,7 +87,7 @@ impl Link {
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.
-    fn is_closed(&self) -> bool {
+    pub(crate) fn is_closed(&self) -> bool {
         self.service.dynamic_config().number_of_publishers() == 0
     }
 
@@ -98,7 +98,7 @@ impl Link {
     }
 
     /// Whether the daemon's process is gone. Costs system calls, so it is called only while nothing comes.
-    fn is_dead(&mut self) -> bool {
+    pub(crate) fn is_dead(&mut self) -> bool {
         self.checked = Instant::now();
         node::has_dead_user(&self.service) || self.is_closed()
     }

@@ -17,8 +17,10 @@ use untangled_proto::{
 };
 
 use crate::{
-    control::{Backoff, Connection, Pending},
-    error::{ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError},
+    control::{Backoff, Connection, Pending, deadline_in},
+    error::{
+        ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError, iceoryx2_says,
+    },
     registration::{Registration, settings_bytes},
 };
 pub use correction::Correction;
@@ -60,6 +62,23 @@ impl Session {
     #[must_use]
     pub fn num_registrations(&self) -> u32 {
         self.link.num_registrations()
+    }
+
+    /// A deadline for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle, which leaves
+    /// room for a busy machine.
+    #[must_use]
+    pub fn default_deadline(&self) -> Duration {
+        let num_faces = u32::try_from(self.link.num_faces()).unwrap_or(u32::MAX);
+        Duration::from_millis(200) + num_faces * Duration::from_micros(20)
+    }
+
+    /// Ends the session and tells the daemon, which has up to the deadline to take note. A session that is dropped ends
+    /// too: the daemon finds out that its host is gone.
+    ///
+    /// # Errors
+    /// [`RequestError`]; the session has ended on this side in any case.
+    pub fn close(mut self, deadline: Duration) -> Result<(), RequestError> {
+        self.link.close(deadline_in(deadline))
     }
 
     /// Publishes a state in single precision and returns its frame number. `fill` writes in place into shared memory;
@@ -112,8 +131,7 @@ impl Session {
     /// # Errors
     /// [`WaitError`].
     pub fn wait(&mut self, frame: u64, deadline: Duration) -> Result<Correction, WaitError> {
-        let begin = Instant::now();
-        self.wait_until(frame, begin, begin + deadline)
+        self.wait_until(frame, Instant::now(), deadline_in(deadline))
     }
 
     /// The newest correction that has come since the last call, if any. Does not block.
@@ -139,9 +157,9 @@ impl Session {
         deadline: Duration,
         fill: impl FnOnce(&mut [[f32; 3]]),
     ) -> Result<Correction, ExchangeError> {
-        let begin = Instant::now();
-        let frame = self.publish_f32(step, begin + deadline, fill)?;
-        Ok(self.wait_until(frame, begin, begin + deadline)?)
+        let (begin, deadline) = (Instant::now(), deadline_in(deadline));
+        let frame = self.publish_f32(step, deadline, fill)?;
+        Ok(self.wait_until(frame, begin, deadline)?)
     }
 
     /// [`exchange`](Self::exchange) in double precision.
@@ -154,9 +172,9 @@ impl Session {
         deadline: Duration,
         fill: impl FnOnce(&mut [[f64; 3]]),
     ) -> Result<Correction, ExchangeError> {
-        let begin = Instant::now();
-        let frame = self.publish_f64_by(step, begin + deadline, fill)?;
-        Ok(self.wait_until(frame, begin, begin + deadline)?)
+        let (begin, deadline) = (Instant::now(), deadline_in(deadline));
+        let frame = self.publish_f64_by(step, deadline, fill)?;
+        Ok(self.wait_until(frame, begin, deadline)?)
     }
 
     /// Replaces the session's settings from the next frame on; names left out take the daemon's defaults.
@@ -164,7 +182,7 @@ impl Session {
     /// # Errors
     /// [`RequestError`]; the old settings stay in force then.
     pub fn update_settings(&mut self, settings: serde_json::Value, deadline: Duration) -> Result<(), RequestError> {
-        let deadline = Instant::now() + deadline;
+        let deadline = deadline_in(deadline);
         let session = match self.link.live(deadline) {
             Ok(link) => link.session,
             Err(PublishError::Request(error)) => return Err(error),
@@ -235,7 +253,7 @@ impl Session {
         let num_vertices = self.link.num_vertices();
         let Some(link) = self.link.current() else { return Ok(None) };
         loop {
-            let Some(sample) = link.corrections.receive().map_err(|error| format!("{error:?}"))? else {
+            let Some(sample) = link.corrections.receive().map_err(|error| iceoryx2_says(&error))? else {
                 return Ok(None);
             };
             link.checked = Instant::now();

@@ -9,7 +9,7 @@ use untangled_proto::{RequestKind, names};
 
 use super::link::Link;
 use crate::{
-    control::{Connection, Pending, RETRY, Reply},
+    control::{Connection, Pending, RETRY, Reply, deadline_in},
     error::{PublishError, RegisterError, RequestError},
     registration::Registration,
 };
@@ -46,7 +46,7 @@ enum State {
 impl ReconnectingLink {
     /// Registers, up to the timeout of the connection.
     pub(crate) fn open(connection: Arc<Connection>, registration: Registration) -> Result<Self, RegisterError> {
-        let deadline = Instant::now() + connection.timeout;
+        let deadline = deadline_in(connection.timeout);
         let (payload, num_sections) = registration.encode();
         let attempt = || {
             let pending = Pending::send(&connection, RequestKind::Register, 0, &payload, num_sections)?;
@@ -69,6 +69,10 @@ impl ReconnectingLink {
 
     pub(crate) fn num_vertices(&self) -> usize {
         self.registration.num_vertices
+    }
+
+    pub(crate) fn num_faces(&self) -> usize {
+        self.registration.triangles.len()
     }
 
     /// How often this was registered.
@@ -113,6 +117,17 @@ impl ReconnectingLink {
             self.state = State::Lost;
         }
         is_gone
+    }
+
+    /// Asks the daemon to end the session; nothing to do where it does not know it any more.
+    pub(crate) fn close(&mut self, deadline: Instant) -> Result<(), RequestError> {
+        let Some(link) = self.current() else { return Ok(()) };
+        if link.is_closed() || link.is_dead() {
+            return Ok(());
+        }
+        let session = link.session;
+        let pending = Pending::send(&self.connection, RequestKind::Close, session, &[], 0)?;
+        pending.wait(&self.connection, deadline).map(drop)
     }
 
     fn send_registration(&mut self, deadline: Instant) -> Result<(), PublishError> {

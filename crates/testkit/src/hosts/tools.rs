@@ -49,6 +49,10 @@ pub fn libraries() -> &'static Path {
             cargo.arg("--release");
         }
         run(cargo.env("CARGO_TARGET_DIR", folder.parent().unwrap()));
+        // The name by which the loader looks for it, which an installation makes.
+        let name = folder.join("libuntangled_client.so.1");
+        let _ = std::fs::remove_file(&name);
+        std::os::unix::fs::symlink("libuntangled_client.so", name).unwrap();
         folder
     })
 }

@@ -58,12 +58,14 @@ pub(super) fn chapter() -> Chapter {
         title: "Scale and place",
         text: "Crumpled sheets of 72 to 338 triangles just beyond their first contact, where gaps and depths are \
                smallest. *Same topology*: the same edges pierce the same faces, and the paths have the same types, \
-               loop vertices and inside sets. The size is that of the sheet, about 1 m; an edge is 1/6 to 1/13 of it. \
-               Differences of corrections are parts of the longest force.\n\n**Where f32 on the wire is the limit**: \
-               it rounds a coordinate by up to 6e-8 of the distance from the origin. As long as that distance is at \
-               most 100 sizes, no topology changes here; the rows beyond say on how many sheets it does. A host whose \
-               cloth is farther away publishes positions about an origin near the cloth, or in f64, which is enough \
-               for 1e8 sizes. What arrives is always taken exactly.",
+               loop vertices and inside sets. The size is that of the sheet, about 1 m; an edge is 1/6 to 1/13 of \
+               it. Differences of corrections are parts of the longest force.\n\n**Where f32 on the wire is the \
+               limit**: it rounds a coordinate by up to 6e-8 of the distance from the origin. A gap or a depth \
+               below that may close or open, at any distance; the topology stays where all are larger. Those of \
+               these sheets are, up to 100 sizes: none changes; the rows beyond say on how many it does. Layers \
+               that touch, or nearly, are not, and change at 1 size. A host whose cloth is farther away publishes \
+               positions about an origin near the cloth, or in f64, which is enough for 1e8 sizes. What arrives is \
+               always taken exactly.",
         cases,
     }
 }
