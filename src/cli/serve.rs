@@ -31,6 +31,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
     if let Some(metrics) = &args.metrics {
         config.telemetry.metrics.clone_from(metrics);
     }
+    config.instruction_set.choose();
     telemetry::init(&config.telemetry)?;
     let options = ServeOptions {
         domain: config.domain()?,

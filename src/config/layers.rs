@@ -12,7 +12,7 @@ use untangled_proto::limits;
 
 use super::{
     error::ConfigError,
-    keys::{Config, Limits},
+    keys::{Config, InstructionSet, Limits},
 };
 
 /// Most workers; a larger number is taken for a mistake.
@@ -59,6 +59,20 @@ impl Provider for TomlFile {
 
     fn data(&self) -> Result<Map<Profile, Dict>, Error> {
         Serialized::defaults(&self.keys).data()
+    }
+}
+
+impl InstructionSet {
+    /// The one that the environment names, for commands that read no other configuration.
+    ///
+    /// # Errors
+    /// [`ConfigError`], naming the key and its value.
+    pub fn from_environment() -> Result<Self, ConfigError> {
+        let environment = Figment::from(Env::prefixed("UNTANGLED_").only(&["instruction_set"]));
+        if !environment.contains("instruction_set") {
+            return Ok(Self::default());
+        }
+        Ok(environment.extract_inner("instruction_set").map_err(Box::new)?)
     }
 }
 
