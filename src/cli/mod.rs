@@ -27,6 +27,8 @@ use clap::{Parser, Subcommand};
 
 pub use outcome::{CliError, Outcome};
 
+use crate::config::InstructionSet;
+
 /// Resolves cloth intersections for other simulators: global intersection analysis and response, over shared memory or
 /// on files.
 ///
@@ -58,14 +60,13 @@ enum Command {
 #[must_use]
 pub fn main() -> ExitCode {
     // A usage error ends with exit code 2 and the usage, help and version with 0.
-    let result = match Cli::parse().command {
-        Command::Serve(args) => serve::run(&args),
-        Command::Status(args) => status::run(&args),
-        Command::Config(args) => config::run(&args),
-        Command::Check(args) => check::run(&args).map_err(Into::into),
-        Command::Fix(args) => fix::run(&args).map_err(Into::into),
-        Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
-        Command::Publish(args) => demo::publish(&args).map_err(Into::into),
+    let command = Cli::parse().command;
+    let result = match InstructionSet::from_environment() {
+        Ok(instructions) => {
+            instructions.choose();
+            run(command)
+        }
+        Err(error) => Err(error.into()),
     };
     match result {
         Ok(Outcome::Clean) => ExitCode::SUCCESS,
@@ -74,5 +75,17 @@ pub fn main() -> ExitCode {
             outcome::complain(&error);
             ExitCode::from(2)
         }
+    }
+}
+
+fn run(command: Command) -> Result<Outcome, CliError> {
+    match command {
+        Command::Serve(args) => serve::run(&args),
+        Command::Status(args) => status::run(&args),
+        Command::Config(args) => config::run(&args),
+        Command::Check(args) => check::run(&args).map_err(Into::into),
+        Command::Fix(args) => fix::run(&args).map_err(Into::into),
+        Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
+        Command::Publish(args) => demo::publish(&args).map_err(Into::into),
     }
 }

@@ -37,6 +37,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
     if let Some(metrics) = &args.metrics {
         config.telemetry.metrics.clone_from(metrics);
     }
+    config.instruction_set.choose();
     let logs = telemetry::init(&config.telemetry)?;
     for warning in warnings {
         tracing::warn!("{warning}");

@@ -16,7 +16,7 @@ pub(super) const FACE_PAIRS: &str = concat!(
 /// Explains `settings.max_tested_pairs`.
 pub(super) const TESTED_PAIRS: &str = concat!(
     "Most pairs of faces whose bounding boxes may overlap in a frame; a frame of more is not analysed. ",
-    "Without it: 512 for each face, at least 67108864."
+    "Without it: 256 for each face, at least 8388608."
 );
 
 /// Explains `settings.thickness_m`.
@@ -27,6 +27,10 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("domain", "Where clients find the daemon; different domains never meet."),
     ("quality", "The settings below start from `fast`, `balanced` or `accurate`; a session may choose one too."),
     ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
+    (
+        "instruction_set",
+        "`best`, or `portable` for what every processor has: slower, with the same answers; for tests of that.",
+    ),
     ("[limits]", "What sessions may ask for."),
     ("limits.max_sessions", "Most sessions at a time, 1 to 64."),
     ("limits.max_sessions_per_client", "Most sessions of one client process at a time, 1 to 64."),

@@ -23,6 +23,8 @@ pub struct Config {
     pub quality: Quality,
     /// Threads that work on frames; 0 for as many as there are processors.
     pub num_workers: usize,
+    /// The instructions that frames are computed with.
+    pub instruction_set: InstructionSet,
     /// What sessions may ask for.
     pub limits: Limits,
     /// Logs and metrics.
@@ -59,6 +61,24 @@ pub struct Telemetry {
     pub metrics: String,
 }
 
+/// The instructions that frames are computed with: answers are the same bytes with each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InstructionSet {
+    /// The best that this processor has.
+    #[default]
+    Best,
+    /// What every processor of the architecture has.
+    Portable,
+}
+
+impl InstructionSet {
+    /// Chooses it for this process.
+    pub fn choose(self) {
+        untangle::simd::use_portable_instructions(self == Self::Portable);
+    }
+}
+
 /// How logs look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -76,6 +96,7 @@ impl Default for Config {
             domain: DEFAULT_DOMAIN.to_owned(),
             quality: Quality::default(),
             num_workers: 0,
+            instruction_set: InstructionSet::default(),
             limits: Limits::default(),
             telemetry: Telemetry::default(),
             settings: Settings::default(),

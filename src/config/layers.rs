@@ -12,7 +12,7 @@ use untangled_proto::limits;
 use super::{
     environment::Environment,
     error::ConfigError,
-    keys::{Config, Limits, MAX_MEMORY_MB},
+    keys::{Config, InstructionSet, Limits, MAX_MEMORY_MB},
 };
 use crate::overlay;
 
@@ -35,6 +35,19 @@ pub struct ConfigFlags {
 
 /// A value that was chosen: the layer, the key and the value.
 type Choice = (String, String, Value);
+
+impl InstructionSet {
+    /// The one that the environment names, for commands that read no other configuration.
+    ///
+    /// # Errors
+    /// [`ConfigError`], naming the key and its value.
+    pub fn from_environment() -> Result<Self, ConfigError> {
+        let variable = "UNTANGLED_INSTRUCTION_SET";
+        let Some(value) = std::env::var_os(variable) else { return Ok(Self::default()) };
+        let value = Value::from(value.to_string_lossy().as_ref());
+        Ok(Config::default().with((variable.to_owned(), "instruction_set".to_owned(), value))?.instruction_set)
+    }
+}
 
 impl Config {
     /// The effective configuration of this process, and warnings about variables that have no effect.

@@ -18,5 +18,5 @@ mod print;
 mod tests;
 
 pub use error::ConfigError;
-pub use keys::{Config, Limits, LogFormat, Telemetry};
+pub use keys::{Config, InstructionSet, Limits, LogFormat, Telemetry};
 pub use layers::ConfigFlags;

@@ -47,6 +47,13 @@ fn exploded(num_faces: u32) -> (Mesh, Frame) {
     (mesh, frame)
 }
 
+/// Triangles all of whose corners are in one place.
+fn in_one_place(num_faces: u32) -> (Mesh, Frame) {
+    let mesh = separate_faces(num_faces);
+    let frame = Frame::new(&mesh, &vec![[0.0; 3]; 3 * num_faces as usize]).unwrap();
+    (mesh, frame)
+}
+
 /// Faces round one vertex, which stands in the middle of a circle with waves, and comes back from `turns` turns.
 fn wheel(num_faces: u32, turns: f64, height: f64) -> (Mesh, Frame) {
     let faces = (0..num_faces).map(|face| [0, 1 + face, 1 + (face + 1) % num_faces]).collect();
@@ -142,11 +149,7 @@ fn search_counts_the_same_overlapping_boxes_with_and_without_certificates() {
 
 #[test]
 fn analyser_out_of_time_within_the_search_finds_nothing_and_says_so() {
-    for (mesh, frame) in [exploded(1_500), {
-        let mesh = separate_faces(1_500);
-        let frame = Frame::new(&mesh, &vec![[0.0; 3]; 4_500]).unwrap();
-        (mesh, frame)
-    }] {
+    for (mesh, frame) in [exploded(1_500), in_one_place(1_500)] {
         let unlimited = Settings { max_face_pairs: Some(u64::MAX), ..Settings::default() };
         let mut analyser = Analyser::default();
         let mut questions = Questions { left: usize::MAX, num_asked: 0 };
@@ -157,7 +160,13 @@ fn analyser_out_of_time_within_the_search_finds_nothing_and_says_so() {
         let analysis = analyser.analyse(&mesh, &frame, &unlimited, &mut impatient);
         assert!(analysis.intersections.edge_face.is_empty() && analysis.paths.pairs.is_empty());
         assert_eq!((analyser.search_end(), impatient.num_asked), (SearchEnd::OutOfTime, 2));
-        // By default so many pairs are too many, with time or without.
+    }
+}
+
+#[test]
+fn analyser_with_default_limits_ends_exploded_and_zeroed_frames() {
+    for (mesh, frame) in [exploded(1_500), in_one_place(4_200)] {
+        let mut analyser = Analyser::default();
         analyser.analyse(&mesh, &frame, &Settings::default(), &mut ());
         assert_eq!(analyser.search_end(), SearchEnd::TooManyPairs);
     }

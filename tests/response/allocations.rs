@@ -12,7 +12,7 @@ use untangle::{
 use untangled_publisher::{mesh::Cloth, scenes::Scene};
 
 /// Scenes of all types, as the mesh tells more or less about its shape.
-fn meshes(cloth: &Cloth) -> Vec<Mesh> {
+pub(crate) fn meshes(cloth: &Cloth) -> Vec<Mesh> {
     let uvs = cloth.uvs.as_ref().map(|uvs| Uvs { coordinates: uvs.coordinates.clone(), corners: uvs.corners.clone() });
     let rest = cloth.rest_positions.iter().map(|&position| position.into()).collect();
     let description = |uvs, rest_positions| MeshDescription {

@@ -36,7 +36,7 @@ pub mod stage;
 pub mod frame;
 mod geometry;
 
-mod simd;
+pub mod simd;
 
 pub mod intersect;
 

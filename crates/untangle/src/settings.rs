@@ -36,7 +36,7 @@ pub struct Settings {
     /// Most pairs of faces that may intersect in a frame. Without it the limit goes by the size of the mesh: four for
     /// each face, and 131,072 in a small one. A frame of more is not analysed.
     pub max_face_pairs: Option<u64>,
-    /// Most pairs of faces whose bounding boxes may overlap in a frame. Without it: 512 for each face, and 67,108,864
+    /// Most pairs of faces whose bounding boxes may overlap in a frame. Without it: 256 for each face, and 8,388,608
     /// in a small one. A frame of more is not analysed.
     pub max_tested_pairs: Option<u64>,
     /// Time for a frame in microseconds, from when its positions are read. The library has no clock: its caller
@@ -151,7 +151,7 @@ impl Settings {
     /// Most pairs of faces whose bounding boxes may overlap in a frame of a mesh of `num_faces`.
     #[must_use]
     pub fn max_tested_pairs(&self, num_faces: usize) -> u64 {
-        self.max_tested_pairs.unwrap_or((512 * num_faces as u64).max(1 << 26))
+        self.max_tested_pairs.unwrap_or((256 * num_faces as u64).max(1 << 23))
     }
 
     /// Checks every value.

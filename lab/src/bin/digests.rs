@@ -4,6 +4,9 @@
 //! cargo run --release -p untangled-lab --bin digests -- FILE... > before.txt
 //! ```
 //!
+//! With `--portable` before them the files are processed without the instructions that not every processor has: the same
+//! digests come out.
+//!
 //! An argument names one mesh file, or several joined by `+`, which are pieces in one world. Each world is processed
 //! with each response, each quality and each choice of the inside, with one thread and with two, over [`FRAMES`]
 //! frames: the positions of the file, then those with the corrections applied, so that caches kept from frame to frame
@@ -29,6 +32,7 @@ use untangle::{
     regions::{InsideRegion, InsideRegions},
     respond::{Corrections, LeftOut, VertexFlags},
     settings::{InsideChoice, Quality, Response, Settings},
+    simd::use_portable_instructions,
     untangler::Untangler,
 };
 use untangled_mesh_io::{concatenate, read_mesh};
@@ -46,6 +50,10 @@ fn main() -> Result<(), BoxedError> {
     let pools = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build());
     let pools = pools.into_iter().collect::<Result<Vec<_>, _>>()?;
     for argument in std::env::args().skip(1) {
+        if argument == "--portable" {
+            use_portable_instructions(true);
+            continue;
+        }
         if let Err(error) = print_world(&argument, &pools) {
             println!("{argument}\trefused\t{error}");
         }

@@ -8,6 +8,7 @@
 mod graph;
 mod modules;
 mod names;
+mod processors;
 mod tree;
 
 use std::{collections::BTreeMap, path::Path};

@@ -38,5 +38,6 @@ pub use correspondent::Correspondent;
 pub use material_point::MaterialPoint;
 
 pub(crate) use charts::Chart;
+pub(crate) use linalg::{Cholesky, SparseSymmetric};
 #[cfg(test)]
 pub(crate) use tests::samples;

@@ -1,5 +1,7 @@
 //! Choice of the instruction set at run time.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 #[cfg(target_arch = "x86_64")]
 use super::avx2::{Avx2F32x8, Avx2F64x4};
 use super::{
@@ -25,10 +27,21 @@ pub(crate) trait Task {
     fn run<S: InstructionSet>(self, simd: S);
 }
 
-/// Runs a task with the best instruction set of this processor.
+/// Whether processors are used for what all of them have, and no more.
+static IS_PORTABLE: AtomicBool = AtomicBool::new(false);
+
+/// Chooses the instruction set of this process: `portable` for what all processors have, otherwise the best one of this
+/// processor. Answers are the same bytes with each; this is for tests of that, and for measuring.
+pub fn use_portable_instructions(portable: bool) {
+    IS_PORTABLE.store(portable, Ordering::Relaxed);
+}
+
+/// Runs a task with the best instruction set of this processor, or the portable one where that was chosen.
 pub(crate) fn dispatch(task: impl Task) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
+    if !IS_PORTABLE.load(Ordering::Relaxed)
+        && let Some(simd) = pulp::x86::V3::try_new()
+    {
         return simd.vectorize(WithSet(task, simd));
     }
     task.run(Portable);

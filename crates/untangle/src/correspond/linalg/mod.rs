@@ -2,10 +2,11 @@
 //! ones.
 
 mod cholesky;
+mod pivoted;
 mod saddle_point;
 mod scratch;
 mod sparse;
 
-pub(super) use cholesky::Cholesky;
+pub(crate) use cholesky::Cholesky;
 pub(super) use saddle_point::SaddlePoint;
-pub(super) use sparse::SparseSymmetric;
+pub(crate) use sparse::SparseSymmetric;

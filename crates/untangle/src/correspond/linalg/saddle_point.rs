@@ -4,10 +4,9 @@
 //! the affine part off, and a Cholesky factorisation with complete pivoting solves the rest: a quarter of the work of
 //! an orthogonal factorisation of the whole system, and its pivots tell rank and condition.
 
-use faer::{MatMut, MatRef, Par, linalg::cholesky::llt_pivoting::factor as pivoted};
 use nalgebra::{Point2, Vector2};
 
-use super::scratch::Scratch;
+use super::pivoted::factorise_pivoted;
 
 /// Pivots below this part of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-11;
@@ -28,10 +27,10 @@ pub(crate) struct SaddlePoint {
     /// The reflected values.
     right_sides: Vec<Vector2<f64>>,
     weights: Vec<Vector2<f64>>,
-    /// The pivoting, and its inverse.
+    /// The pivoting.
     order: Vec<usize>,
-    inverse: Vec<usize>,
-    scratch: Scratch,
+    /// Scratch of the factorisation.
+    diagonal: Vec<f64>,
     rank: usize,
     condition: f64,
 }
@@ -118,8 +117,7 @@ impl SaddlePoint {
             xy += centre.x * centre.y;
             yy += centre.y * centre.y;
         }
-        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-        let (sin, cos) = angle.sin_cos();
+        let [cos, sin] = main_direction(xx - yy, 2.0 * xy);
         self.coefficients = [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -sin, cos]];
         let mut lengths = [0.0; 3];
         for ((column, [one, x, y]), length) in self.affine.iter_mut().zip(self.coefficients).zip(&mut lengths) {
@@ -182,17 +180,7 @@ impl SaddlePoint {
             return Some(0);
         }
         self.order.resize(inner, 0);
-        self.inverse.resize(inner, 0);
-        let stack = self.scratch.stack(pivoted::cholesky_in_place_scratch::<usize, f64>(
-            inner,
-            Par::Seq,
-            faer::Spec::default(),
-        ));
-        let matrix = MatMut::from_column_major_slice_mut(&mut self.inner, inner, inner);
-        let (order, inverse) = (&mut self.order, &mut self.inverse);
-        // Fails for diagonals below zero: rounding, where the block is zero but for it.
-        let done = pivoted::cholesky_in_place(matrix, order, inverse, Par::Seq, stack, faer::Spec::default());
-        let rank = done.map_or(0, |(info, _)| info.rank);
+        let rank = factorise_pivoted(&mut self.inner, &mut self.order, &mut self.diagonal);
         let pivot = |k: usize| self.inner[k * inner + k].powi(2);
         let rank = (0..rank).take_while(|&k| pivot(k) > pivot(0) * RANK_TOLERANCE).count();
         if rank > 0 {
@@ -205,22 +193,39 @@ impl SaddlePoint {
     /// factor.
     fn substitute(&mut self, skip: usize, rank: usize) {
         let inner = self.right_sides.len() - skip;
-        let lower = MatRef::from_column_major_slice(&self.inner, inner, inner);
+        let lower = |row: usize, column: usize| self.inner[column * inner + row];
         let order = &self.order;
         for row in 0..rank {
             let mut rest = self.right_sides[skip + order[row]];
             for column in 0..row {
-                rest -= self.weights[skip + order[column]] * lower[(row, column)];
+                rest -= self.weights[skip + order[column]] * lower(row, column);
             }
-            self.weights[skip + order[row]] = rest / lower[(row, row)];
+            self.weights[skip + order[row]] = rest / lower(row, row);
         }
         for row in (0..rank).rev() {
             let mut rest = self.weights[skip + order[row]];
             for below in row + 1..rank {
-                rest -= self.weights[skip + order[below]] * lower[(below, row)];
+                rest -= self.weights[skip + order[below]] * lower(below, row);
             }
-            self.weights[skip + order[row]] = rest / lower[(row, row)];
+            self.weights[skip + order[row]] = rest / lower(row, row);
         }
+    }
+}
+
+/// Cosine and sine of half the angle of the direction (x, y), between -90 and 90 degrees: from square roots, since the
+/// bits of the standard library's sines depend on the processor.
+fn main_direction(x: f64, y: f64) -> [f64; 2] {
+    let length = (x * x + y * y).sqrt();
+    if length.is_nan() || length <= 0.0 {
+        return [1.0, 0.0];
+    }
+    // The half angle's cosine and sine from the sum that does not cancel.
+    if x >= 0.0 {
+        let cos = (0.5 * (1.0 + x / length)).sqrt();
+        [cos, 0.5 * (y / length) / cos]
+    } else {
+        let sin = (0.5 * (1.0 - x / length)).sqrt().copysign(y);
+        [0.5 * (y / length) / sin, sin]
     }
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn winding_number(mesh: &Mesh, frame: &Frame, face: FaceId) -> Option
         if other != face {
             let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
             let denominator = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-            solid_angle += 2.0 * triple.atan2(denominator);
+            solid_angle += 2.0 * libm::atan2(triple, denominator);
         }
     }
     // Pieces that are oriented inwards as a whole have the opposite winding number.

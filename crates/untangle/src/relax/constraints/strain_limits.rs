@@ -45,7 +45,7 @@ impl StrainLimits {
     /// The number of vertices of a domain with a face or an edge beyond the limits of the flattening flow.
     pub(crate) fn num_violated(&self, mesh: &Mesh, positions: &[Point3<f64>], domain: &Domain) -> usize {
         let crushed = |&face: &FaceId| area(mesh, positions, face) < MIN_AREA_RATIO * self.areas[face.index()];
-        let strained = |&edge: &EdgeId| self.strain(mesh, positions, edge) > MAX_STRETCH_FLATTENED.ln();
+        let strained = |&edge: &EdgeId| self.strain(mesh, positions, edge) > libm::log(MAX_STRETCH_FLATTENED);
         let is_violated = |vertex: VertexId| {
             mesh.vertex_faces(vertex).iter().any(crushed) || mesh.vertex_edges(vertex).iter().any(strained)
         };
@@ -56,7 +56,7 @@ impl StrainLimits {
     pub(crate) fn strain(&self, mesh: &Mesh, positions: &[Point3<f64>], edge: EdgeId) -> f64 {
         let input = self.lengths[edge.index()];
         let stretch = if input > 0.0 { length(mesh, positions, edge) / input } else { 1.0 };
-        stretch.ln().abs()
+        libm::log(stretch).abs()
     }
 
     fn is_face_violated(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], face: FaceId) -> bool {

@@ -2,15 +2,8 @@
 
 use std::sync::OnceLock;
 
-use faer::{
-    Side,
-    sparse::{
-        SparseColMat,
-        linalg::solvers::{Llt, SymbolicLlt},
-    },
-};
-
 use crate::{
+    correspond::{Cholesky, SparseSymmetric},
     mesh::{Mesh, VertexId},
     sparse_map::SparseMap,
 };
@@ -23,8 +16,8 @@ pub(crate) struct Domain {
     numbers: SparseMap<VertexId, u32>,
     /// Memory of [`Domain::grow`].
     free: Vec<VertexId>,
-    /// The symbolic part of the first factorisation over this domain: all others have the same pattern.
-    symbolic: OnceLock<Option<SymbolicLlt<usize>>>,
+    /// The order of elimination of the first factorisation over this domain: all others have the same pattern.
+    order: OnceLock<Option<Vec<usize>>>,
 }
 
 impl Domain {
@@ -32,7 +25,7 @@ impl Domain {
     ///
     /// Cost: linear in the vertices that are reached, and their sorting.
     pub(crate) fn grow(&mut self, mesh: &Mesh, seeds: impl Iterator<Item = VertexId>, rings: usize) {
-        self.symbolic.take();
+        self.order.take();
         self.numbers.reset(mesh.num_vertices());
         for seed in seeds {
             self.numbers.insert(seed, 0);
@@ -70,11 +63,12 @@ impl Domain {
         self.numbers.get(vertex).map(|number| number as usize)
     }
 
-    /// Factorises a symmetric matrix, of which the lower half is given, over the vertices of this domain. Its pattern
-    /// must be that of all others over this domain. Nothing where the numbers don't allow it.
-    pub(crate) fn factorise(&self, matrix: &SparseColMat<usize, f64>) -> Option<Llt<usize, f64>> {
-        let symbolic = self.symbolic.get_or_init(|| SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok());
-        Llt::try_new_with_symbolic(symbolic.clone()?, matrix.as_ref(), Side::Lower).ok()
+    /// Factorises a compressed matrix over the vertices of this domain. Its pattern must be that of all others over this
+    /// domain. Nothing where the numbers don't allow it.
+    pub(crate) fn factorise(&self, matrix: &SparseSymmetric) -> Option<Cholesky> {
+        let order = self.order.get_or_init(|| Cholesky::order_of(matrix));
+        let mut factor = Cholesky::default();
+        factor.factorise_in_order(matrix, order.as_ref()?).then_some(factor)
     }
 }
 

@@ -6,16 +6,12 @@
 //! edges, below which bends are flattened. It is minimised by local and global steps in turn (Sorkine and Alexa 2007).
 //! With rotations per vertex, as there, bending has a cost; with rotations per triangle it has none but that of `b`.
 
-use faer::{
-    MatMut,
-    linalg::solvers::Solve,
-    sparse::{SparseColMat, Triplet, linalg::solvers::Llt},
-};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{domain::Domain, triangle_arap::RestTriangle};
 use crate::{
+    correspond::{Cholesky, SparseSymmetric},
     mesh::{Mesh, VertexId},
     relax::settings::ShouldStop,
 };
@@ -48,7 +44,7 @@ pub(crate) struct FlatteningEnergy<'a> {
 
 /// The factorised system of the global step for one bending stiffness.
 pub(crate) struct FlatteningSystem {
-    factors: Llt<usize, f64>,
+    factors: Cholesky,
     /// What vertices that don't move, and holds, add to the right-hand side.
     fixed: Vec<Vector3<f64>>,
 }
@@ -133,16 +129,16 @@ impl<'a> FlatteningEnergy<'a> {
         should_stop: &ShouldStop<'_>,
     ) {
         let size = self.domain.vertices().len();
-        let mut right = vec![0.0; 3 * size];
+        let (mut right, mut scratch) = (vec![Vector3::zeros(); size], Vec::new());
         for _ in 0..max_steps {
             if should_stop() {
                 break;
             }
             self.right_hand_side(system, positions, &mut right);
-            system.factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut right, size, 3));
+            system.factors.solve_vectors(&mut right, &mut scratch);
             let mut change: f64 = 0.0;
             for (local, &vertex) in self.domain.vertices().iter().enumerate() {
-                let place: Point3<f64> = [0, 1, 2].map(|axis| right[axis * size + local]).into();
+                let place = Point3::from(right[local]);
                 if place.iter().all(|value| value.is_finite()) {
                     change += (place - positions[vertex.index()]).norm_squared();
                     positions[vertex.index()] = place;
@@ -155,23 +151,17 @@ impl<'a> FlatteningEnergy<'a> {
         }
     }
 
-    /// The local step: fits all triangles, and sums up the right-hand side of the global one, coordinate by coordinate.
-    fn right_hand_side(&self, system: &FlatteningSystem, positions: &[Point3<f64>], right: &mut [f64]) {
-        let size = self.domain.vertices().len();
+    /// The local step: fits all triangles, and sums up the right-hand side of the global one.
+    fn right_hand_side(&self, system: &FlatteningSystem, positions: &[Point3<f64>], right: &mut [Vector3<f64>]) {
         let forces: Vec<[Vector3<f64>; 3]> =
             self.triangles.par_iter().map(|triangle| triangle.corner_forces(positions)).collect();
         for (local, (&vertex, fixed)) in self.domain.vertices().iter().zip(&system.fixed).enumerate() {
-            let sum = fixed + positions[vertex.index()].coords * ANCHOR;
-            for axis in 0..3 {
-                right[axis * size + local] = sum[axis];
-            }
+            right[local] = fixed + positions[vertex.index()].coords * ANCHOR;
         }
         for (triangle, forces) in self.triangles.iter().zip(&forces) {
             for (vertex, force) in triangle.corners.iter().zip(forces) {
                 if let Some(local) = self.domain.local(*vertex) {
-                    for axis in 0..3 {
-                        right[axis * size + local] += force[axis];
-                    }
+                    right[local] += force;
                 }
             }
         }
@@ -197,27 +187,28 @@ impl<'a> FlatteningEnergy<'a> {
     }
 }
 
-/// The lower half of a symmetric matrix over a domain, and its right-hand side.
+/// A symmetric matrix over a domain, and its right-hand side.
 struct Assembly<'a> {
     domain: &'a Domain,
     at: &'a [Point3<f64>],
-    entries: Vec<Triplet<usize, usize, f64>>,
+    matrix: SparseSymmetric,
     fixed: Vec<Vector3<f64>>,
 }
 
 impl<'a> Assembly<'a> {
     fn of(domain: &'a Domain, at: &'a [Point3<f64>]) -> Self {
         let size = domain.vertices().len();
-        let entries = (0..size).map(|local| Triplet { row: local, col: local, val: ANCHOR }).collect();
-        Self { domain, at, entries, fixed: vec![Vector3::zeros(); size] }
+        let mut matrix = SparseSymmetric::default();
+        matrix.start(size);
+        (0..size).for_each(|local| matrix.add(local, local, ANCHOR));
+        Self { domain, at, matrix, fixed: vec![Vector3::zeros(); size] }
     }
 
     /// Adds to an entry; those of vertices that don't move go to the right-hand side.
     fn add(&mut self, row: VertexId, col: VertexId, value: f64) {
         let Some(row) = self.domain.local(row) else { return };
         match self.domain.local(col) {
-            Some(col) if col <= row => self.entries.push(Triplet { row, col, val: value }),
-            Some(_) => {}
+            Some(col) => self.matrix.add(row, col, value),
             None => self.fixed[row] -= self.at[col.index()].coords * value,
         }
     }
@@ -226,15 +217,14 @@ impl<'a> Assembly<'a> {
     fn hold(&mut self, holds: &[f64], weights: &[f64]) {
         for (local, (hold, weight)) in holds.iter().zip(weights).enumerate() {
             let strength = hold * weight;
-            self.entries.push(Triplet { row: local, col: local, val: strength });
+            self.matrix.add(local, local, strength);
             self.fixed[local] += self.at[self.domain.vertices()[local].index()].coords * strength;
         }
     }
 
-    fn factorise(self) -> Option<FlatteningSystem> {
-        let size = self.fixed.len();
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &self.entries).ok()?;
-        Some(FlatteningSystem { factors: self.domain.factorise(&matrix)?, fixed: self.fixed })
+    fn factorise(mut self) -> Option<FlatteningSystem> {
+        self.matrix.compress();
+        Some(FlatteningSystem { factors: self.domain.factorise(&self.matrix)?, fixed: self.fixed })
     }
 }
 

@@ -1,17 +1,13 @@
 //! The quadratic part of the ARAP energy as a sparse matrix with its Cholesky factors.
 
-use faer::{
-    MatMut,
-    linalg::solvers::Solve,
-    sparse::{SparseColMat, Triplet, linalg::solvers::Llt},
-};
 use nalgebra::Vector3;
 
 use super::vertex_arap::ArapEnergy;
+use crate::correspond::{Cholesky, SparseSymmetric};
 
 /// `A = 1 + s L` over the domain, where `L` is the Laplacian of the edges' weights; the same for the three coordinates.
 pub(crate) struct StiffnessMatrix {
-    factors: Llt<usize, f64>,
+    factors: Cholesky,
     /// For each vertex of the domain where its row ends.
     row_ends: Vec<u32>,
     /// Neighbours within the domain, with the weights of their edges.
@@ -25,7 +21,8 @@ impl StiffnessMatrix {
     pub(crate) fn factorise(energy: &ArapEnergy<'_>, stiffness: f64, stiffening: &[f64]) -> Option<Self> {
         let size = energy.domain.vertices().len();
         let (mut row_ends, mut neighbours, mut diagonal) = (Vec::with_capacity(size), Vec::new(), Vec::new());
-        let mut entries = Vec::new();
+        let mut matrix = SparseSymmetric::default();
+        matrix.start(size);
         for (local, &vertex) in energy.domain.vertices().iter().enumerate() {
             let mut sum = 1.0;
             for &edge in energy.mesh.vertex_edges(vertex) {
@@ -33,32 +30,20 @@ impl StiffnessMatrix {
                 sum += weight;
                 if let Some(other) = energy.domain.local(energy.mesh.opposite_vertex(edge, vertex)) {
                     neighbours.push((u32::try_from(other).ok()?, weight));
-                    if other < local {
-                        entries.push(Triplet { row: local, col: other, val: -weight });
-                    }
+                    matrix.add(local, other, -weight);
                 }
             }
-            entries.push(Triplet { row: local, col: local, val: sum });
+            matrix.add(local, local, sum);
             diagonal.push(sum);
             row_ends.push(u32::try_from(neighbours.len()).ok()?);
         }
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?;
+        matrix.compress();
         Some(Self { factors: energy.domain.factorise(&matrix)?, row_ends, neighbours, diagonal })
     }
 
     /// `A^-1 v`, in place, for all three coordinates.
-    pub(crate) fn solve(&self, vectors: &mut [Vector3<f64>], scratch: &mut Vec<f64>) {
-        let size = vectors.len();
-        scratch.clear();
-        for axis in 0..3 {
-            scratch.extend(vectors.iter().map(|vector| vector[axis]));
-        }
-        self.factors.solve_in_place(MatMut::from_column_major_slice_mut(scratch, size, 3));
-        for (index, vector) in vectors.iter_mut().enumerate() {
-            for axis in 0..3 {
-                vector[axis] = scratch[axis * size + index];
-            }
-        }
+    pub(crate) fn solve(&self, vectors: &mut [Vector3<f64>], scratch: &mut Vec<Vector3<f64>>) {
+        self.factors.solve_vectors(vectors, scratch);
     }
 
     /// `A v`.

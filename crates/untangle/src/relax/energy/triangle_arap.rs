@@ -50,14 +50,14 @@ impl RestTriangle {
     pub(super) fn strains<'a>(&'a self, positions: &'a [Point3<f64>]) -> impl Iterator<Item = f64> + 'a {
         let strains = self.edges.iter().enumerate().map(|(k, edge)| {
             let [a, b] = [1, 2].map(|step| positions[self.corners[(k + step) % 3].index()]);
-            ((b - a).norm() / edge.norm()).ln()
+            libm::log((b - a).norm() / edge.norm())
         });
         strains.filter(|strain| strain.is_finite())
     }
 
     /// Whether an edge is too long or too short, or the area too small.
     pub(super) fn is_strained(&self, positions: &[Point3<f64>]) -> bool {
-        self.strains(positions).any(|strain| strain.abs() > MAX_STRETCH.ln()) || self.is_crushed(positions)
+        self.strains(positions).any(|strain| strain.abs() > libm::log(MAX_STRETCH)) || self.is_crushed(positions)
     }
 
     fn is_crushed(&self, positions: &[Point3<f64>]) -> bool {

@@ -51,7 +51,7 @@ pub(crate) struct DisplacementSolver {
     before: Vec<Vector3<f64>>,
     active: Vec<bool>,
     stiffening: Vec<f64>,
-    scratch: Vec<f64>,
+    scratch: Vec<Vector3<f64>>,
 }
 
 impl DisplacementSolver {
@@ -143,14 +143,14 @@ impl DisplacementSolver {
     /// Makes edges stiffer that change their length too much; false if there are none.
     fn stiffen(&mut self, energy: &ArapEnergy<'_>, max_stretch: f64) -> bool {
         let mut any = false;
-        let limit = max_stretch.ln();
+        let limit = libm::log(max_stretch);
         for &vertex in energy.domain.vertices() {
             for &edge in energy.mesh.vertex_edges(vertex) {
                 let [first, second] = energy.mesh.edge(edge);
                 // Each edge once.
                 if vertex == first || energy.domain.local(first).is_none() {
                     debug_assert!(vertex == first || vertex == second, "edge {edge:?} has no end {vertex:?}");
-                    let strain = energy.stretch(&self.displacement, edge).ln().abs() / limit;
+                    let strain = libm::log(energy.stretch(&self.displacement, edge)).abs() / limit;
                     if strain > 1.0 {
                         any = true;
                         let stiffening = &mut self.stiffening[edge.index()];
