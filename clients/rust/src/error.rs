@@ -276,17 +276,18 @@ mod tests {
             status: Status::BadPosition,
             fault_index: Some(7),
             fault_value: f64::NAN,
-            field: None,
+            header_field: None,
         };
-        let header = |field| FrameRefusal { status: Status::BadHeader, fault_index: None, field, ..refusal };
+        let header =
+            |header_field| FrameRefusal { status: Status::BadHeader, fault_index: None, header_field, ..refusal };
         let refused = RequestError::Refused { status: Status::BadMesh, message: "face 3 has vertex 9".into() };
         let messages = [
-            (refusal.to_string(), "a coordinate of vertex 7 is NaN"),
+            (refusal.to_string(), "vertex 7 (counted from 0) has coordinate NaN"),
             (header(Some("dt_s")).to_string(), "the step dt_s is NaN; it must be from 1e-9 to 1e9 seconds"),
             (header(Some("simulated_s")).to_string(), "simulated_s is NaN"),
             (header(None).to_string(), "NaN"),
             (FrameRefusal { status: Status::Internal, ..refusal }.to_string(), "defect"),
-            (refused.to_string(), "refused: face 3"),
+            (refused.to_string(), "refused (bad mesh): face 3"),
             (WaitError::Timeout { frame: 3, waited: Duration::from_micros(50_123) }.to_string(), "within 50 ms"),
             (WaitError::Timeout { frame: 3, waited: Duration::from_millis(1500) }.to_string(), "within 1.5 s"),
             (PublishError::Precision { registered: Precision::F64 }.to_string(), "in double precision"),
