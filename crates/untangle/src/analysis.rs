@@ -50,7 +50,10 @@ impl Analyser {
         let limits = SearchLimits::new(settings, mesh.num_faces());
         self.search = self.intersector.intersect_within(mesh, frame, limits, observer, intersections);
         observer.begin(Stage::Paths);
-        self.path_finder.find(mesh, frame, intersections, paths);
+        if !self.path_finder.find_within(mesh, frame, intersections, observer, paths) {
+            self.search = SearchEnd::OutOfTime;
+            intersections.clear();
+        }
         observer.begin(Stage::Regions);
         self.region_finder.find(mesh, frame, paths, settings, observer, regions);
         observer.end();
