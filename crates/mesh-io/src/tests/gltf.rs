@@ -172,6 +172,9 @@ fn read_mesh_of_what_is_no_gltf_says_so() {
     assert_eq!(refused("/accessors/0/componentType", json!(5130)), words);
     assert_eq!(refused("/accessors/0/type", json!("VEC2")), words);
     assert_eq!(refused("/accessors/0/byteOffset", json!(4)), "accessor 0 reaches beyond its buffer");
+    // There are more bytes, which would be lost when the file is written.
+    assert_eq!(refused("/buffers/0/byteLength", json!(34)), "accessor 0 reaches beyond its buffer");
+    assert_eq!(refused("/buffers/0/byteLength", json!(0)), "accessor 0 reaches beyond its buffer");
     assert_eq!(
         refused("/buffers/0/uri", Value::Null),
         "buffer 0: it has no `uri`, and there is no binary chunk for it"

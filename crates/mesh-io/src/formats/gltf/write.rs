@@ -183,10 +183,8 @@ impl GltfDocument {
             return span.remove_uri(json);
         }
         let is_lost = self.is_in_chunk(at, self.container()) || !destination.same_folder && self.buffers.is_file(at);
-        (is_changed || is_lost).then(|| {
-            let bytes = &bytes[..self.buffers.length(at).min(bytes.len())];
-            span.set_uri(&format!("data:application/octet-stream;base64,{}", BASE64.encode(bytes)))
-        })
+        (is_changed || is_lost)
+            .then(|| span.set_uri(&format!("data:application/octet-stream;base64,{}", BASE64.encode(bytes))))
     }
 
     /// The binary chunk of the file in some container, if it has one.
@@ -197,7 +195,6 @@ impl GltfDocument {
             return own.map(<[u8]>::to_vec);
         }
         let bytes = buffers.first()?;
-        let bytes = &bytes[..self.buffers.length(0).min(bytes.len())];
         let mut chunk = own.map_or_else(Vec::new, <[u8]>::to_vec);
         chunk.resize(chunk.len().max(bytes.len()), 0);
         chunk[..bytes.len()].copy_from_slice(bytes);

@@ -32,9 +32,7 @@ pub(crate) struct Buffers {
 struct Loaded {
     /// Shared by buffers of the same file.
     bytes: Arc<Vec<u8>>,
-    /// How many of the bytes belong to it.
-    num_bytes: usize,
-    /// Its length as the document says.
+    /// Its length as the document says; there may be more bytes, which are not its own.
     length: usize,
     /// Whether it has a link; without, it is the binary chunk.
     is_linked: bool,
@@ -50,12 +48,8 @@ impl Buffers {
         let mut buffers = Self { buffers: Vec::with_capacity(document.buffers.len()), num_linked_bytes };
         for (at, (Buffer { byte_length, uri }, linked)) in document.buffers.iter().zip(files.of_buffers).enumerate() {
             let length = byte_length.0;
-            let (file, bytes, num_bytes) = match (linked, uri, chunk) {
-                (Some(Linked { path, resolved }), ..) => {
-                    let bytes = Arc::clone(&files.bytes[&resolved]);
-                    let num_bytes = bytes.len().min(length);
-                    (Some(path), bytes, num_bytes)
-                }
+            let (file, bytes) = match (linked, uri, chunk) {
+                (Some(Linked { path, resolved }), ..) => (Some(path), Arc::clone(&files.bytes[&resolved])),
                 (None, Some(uri), _) => {
                     let bytes = decode_data_link(uri).map_err(|error| refused(at, &format!("its data: {error}")))?;
                     own(bytes)
@@ -66,17 +60,17 @@ impl Buffers {
                     return Err(compression(document).map_or_else(missing, compressed));
                 }
             };
-            if num_bytes < length {
+            if bytes.len() < length {
                 return Err(ReadErrorKind::Truncated { element: format!("buffer {at}") });
             }
-            buffers.buffers.push(Loaded { bytes, num_bytes, length, is_linked: uri.is_some(), file });
+            buffers.buffers.push(Loaded { bytes, length, is_linked: uri.is_some(), file });
         }
         Ok(buffers)
     }
 
-    /// The bytes of each, at least as many as the document says.
+    /// The bytes of each, as many as the document says.
     pub(crate) fn all(&self) -> impl Iterator<Item = &[u8]> {
-        self.buffers.iter().map(|buffer| &buffer.bytes[..buffer.num_bytes])
+        self.buffers.iter().map(|buffer| &buffer.bytes[..buffer.length])
     }
 
     /// Bytes that were read from files of their own.
@@ -99,16 +93,11 @@ impl Buffers {
         self.buffers[buffer].is_linked
     }
 
-    /// Length of a buffer in bytes, as the document says.
-    pub(crate) fn length(&self, buffer: usize) -> usize {
-        self.buffers[buffer].length
-    }
-
     /// `length` bytes of a view from `offset` on, if the view and its buffer have them.
     pub(crate) fn slice(&self, view: &BufferView, offset: usize, length: usize) -> Option<&[u8]> {
         let start = view.byte_offset.0;
         let buffer = self.buffers.get(view.buffer.0)?;
-        let bytes = buffer.bytes[..buffer.num_bytes].get(start..start.checked_add(view.byte_length.0)?)?;
+        let bytes = buffer.bytes[..buffer.length].get(start..start.checked_add(view.byte_length.0)?)?;
         bytes.get(offset..offset.checked_add(length)?)
     }
 }
@@ -155,10 +144,9 @@ fn refused(buffer: usize, reason: &str) -> ReadErrorKind {
 
 /// Bytes of a document itself, as those of a buffer without a file. Writers may state a length that counts the padding
 /// of a chunk.
-fn own(mut bytes: Vec<u8>) -> (Option<PathBuf>, Arc<Vec<u8>>, usize) {
+fn own(mut bytes: Vec<u8>) -> (Option<PathBuf>, Arc<Vec<u8>>) {
     bytes.resize(bytes.len().next_multiple_of(4), 0);
-    let num_bytes = bytes.len();
-    (None, Arc::new(bytes), num_bytes)
+    (None, Arc::new(bytes))
 }
 
 /// The bytes of a `data:` link, whose contents are Base64, padded or not.
