@@ -68,7 +68,8 @@ fn fix_of_a_solved_state_writes_and_reports_it() {
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       settings: &RelaxSettings,
-                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
         let expected = RelaxSettings { effort: Effort::Accurate, max_iterations: 10, single_precision: false };
         assert_eq!(*settings, expected);
         assert!(progress(&STEP).is_continue());
@@ -183,7 +184,8 @@ fn fix_when_interrupted_writes_nothing() {
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       _: &RelaxSettings,
-                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
         assert!(progress(&STEP).is_continue());
         flag.store(true, std::sync::atomic::Ordering::Relaxed);
         assert!(progress(&STEP).is_break());
