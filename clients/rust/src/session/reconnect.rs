@@ -34,7 +34,7 @@ pub(crate) struct ReconnectingLink {
 /// After this time the daemon has seen the ports of a session: it looks twice a second.
 const SEEN: Duration = Duration::from_secs(1);
 /// Longest wait for the reply to the request that closes a session. Without one the daemon closes it by itself.
-const CLOSE: Duration = Duration::from_millis(20);
+const CLOSE: Duration = Duration::from_millis(100);
 
 #[derive(Debug)]
 enum State {
