@@ -197,15 +197,15 @@ impl SaddlePoint {
         let order = &self.order;
         for row in 0..rank {
             let mut rest = self.right_sides[skip + order[row]];
-            for column in 0..row {
-                rest -= self.weights[skip + order[column]] * lower(row, column);
+            for (column, &slot) in order[..row].iter().enumerate() {
+                rest -= self.weights[skip + slot] * lower(row, column);
             }
             self.weights[skip + order[row]] = rest / lower(row, row);
         }
         for row in (0..rank).rev() {
             let mut rest = self.weights[skip + order[row]];
-            for below in row + 1..rank {
-                rest -= self.weights[skip + order[below]] * lower(below, row);
+            for (below, &slot) in order.iter().enumerate().take(rank).skip(row + 1) {
+                rest -= self.weights[skip + slot] * lower(below, row);
             }
             self.weights[skip + order[row]] = rest / lower(row, row);
         }

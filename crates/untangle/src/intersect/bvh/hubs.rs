@@ -27,10 +27,9 @@ fn hub_of(mesh: &Mesh, face: FaceId) -> u32 {
 
 /// Puts faces of one hub side by side, those of none at the end; the ranges of those that belong together.
 pub(super) fn group_by_hub(mesh: &Mesh, faces: &mut [FaceId]) -> Vec<Range<usize>> {
-    if faces.iter().all(|&face| hub_of(mesh, face) == NONE) {
-        return vec![0..faces.len()];
+    if faces.iter().any(|&face| hub_of(mesh, face) != NONE) {
+        faces.sort_by_cached_key(|&face| (hub_of(mesh, face), face));
     }
-    faces.sort_by_cached_key(|&face| (hub_of(mesh, face), face));
     let mut start = 0;
     let groups = faces.chunk_by(|&a, &b| hub_of(mesh, a) == hub_of(mesh, b));
     let ranges = groups.map(|group| {
