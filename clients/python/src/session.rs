@@ -213,7 +213,7 @@ fn check_step(frame: u64, simulated_s: f64, dt_s: f64) -> PyResult<()> {
         return Ok(());
     };
     let status = Status::BadHeader;
-    Err(error::refused(FrameRefusal { frame, status, fault_index: None, fault_value, field: Some(field) }))
+    Err(error::refused(FrameRefusal { frame, status, fault_index: None, fault_value, header_field: Some(field) }))
 }
 
 fn correction_kind(name: &str) -> PyResult<CorrectionKind> {

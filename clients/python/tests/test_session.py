@@ -164,7 +164,7 @@ def test_refused_frame_takes_no_time_and_the_next_one_is_served(crossed, domain)
             assert refusal.value.frame == 2 and session.last_frame == 1 and session.time == 0.01
         bad = crossed.vertices.copy()
         bad[4, 1] = np.nan
-        with pytest.raises(untangled.FrameRefused, match="vertex 4 is NaN") as refusal:
+        with pytest.raises(untangled.FrameRefused, match="vertex 4 .*NaN") as refusal:
             session.exchange(bad, deadline=DEADLINE)
         assert refusal.value.frame == session.last_frame == 2 and session.time == 0.01
         correction = session.exchange(crossed.vertices, deadline=DEADLINE)
