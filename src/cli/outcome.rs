@@ -16,8 +16,8 @@ pub enum Outcome {
 /// Any error of a command: printed as one line, then exit code 2.
 pub type CliError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Prints the error with which a command ends. Errors quote files, whose control characters are escaped here. Nobody may
-/// be reading any more, which is no error of its own.
+/// Prints the error with which a command ends. Errors quote files, whose control characters are escaped here. Nobody
+/// may be reading any more, which is no error of its own.
 pub(super) fn complain(error: &CliError) {
     for (number, line) in error.to_string().lines().enumerate() {
         let start = if number == 0 { "untangled: " } else { "" };

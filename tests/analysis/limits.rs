@@ -68,14 +68,25 @@ fn wheel(num_faces: u32, turns: f64, height: f64) -> (Mesh, Frame) {
     (mesh, frame)
 }
 
-/// Time for so many questions, and how many were asked.
+/// Time for so many questions, how many were asked, and the stage that is at work.
 struct Questions {
     left: usize,
     num_asked: usize,
+    stage: Stage,
+}
+
+impl Questions {
+    fn new(left: usize) -> Self {
+        Self { left, num_asked: 0, stage: Stage::Intersect }
+    }
 }
 
 impl StageObserver for Questions {
-    fn begin(&mut self, _: Stage) {}
+    fn begin(&mut self, stage: Stage) {
+        if self.left > 0 {
+            self.stage = stage;
+        }
+    }
     fn end(&mut self) {}
     fn is_spent(&mut self) -> bool {
         self.num_asked += 1;
@@ -152,15 +163,34 @@ fn analyser_out_of_time_within_the_search_finds_nothing_and_says_so() {
     for (mesh, frame) in [exploded(1_500), in_one_place(1_500)] {
         let unlimited = Settings { max_face_pairs: Some(u64::MAX), ..Settings::default() };
         let mut analyser = Analyser::default();
-        let mut questions = Questions { left: usize::MAX, num_asked: 0 };
+        let mut questions = Questions::new(usize::MAX);
         analyser.analyse(&mesh, &frame, &unlimited, &mut questions);
         assert_eq!(analyser.search_end(), SearchEnd::Complete);
         assert!(questions.num_asked > 10, "{} questions", questions.num_asked);
-        let mut impatient = Questions { left: 2, num_asked: 0 };
+        let mut impatient = Questions::new(2);
         let analysis = analyser.analyse(&mesh, &frame, &unlimited, &mut impatient);
         assert!(analysis.intersections.edge_face.is_empty() && analysis.paths.pairs.is_empty());
         assert_eq!((analyser.search_end(), impatient.num_asked), (SearchEnd::OutOfTime, 2));
     }
+}
+
+#[test]
+fn analyser_out_of_time_within_the_tracing_of_paths_finds_nothing_and_says_so() {
+    let (mesh, frame) = exploded(600);
+    let mut analyser = Analyser::default();
+    let mut last_stage = None;
+    for num_questions in 1.. {
+        let mut questions = Questions::new(num_questions);
+        let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut questions);
+        let num_found = (analysis.intersections.segments.len(), analysis.paths.pairs.len());
+        if analyser.search_end() == SearchEnd::Complete {
+            assert!(num_found.0 > 10_000 && num_found.1 > 0, "{num_found:?}");
+            break;
+        }
+        assert_eq!((analyser.search_end(), num_found), (SearchEnd::OutOfTime, (0, 0)));
+        last_stage = Some(questions.stage);
+    }
+    assert_eq!(last_stage, Some(Stage::Paths));
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! The relaxation behind `untangled fix`, on generated scenes; judged by the exact checker of the example host.
 
-use std::ops::ControlFlow;
+use std::{
+    ops::ControlFlow,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use untangle::{
     mesh::{Mesh, MeshDescription},
-    relax::{Effort, Method, RelaxSettings, Relaxation, relax},
+    relax::{Effort, Method, RelaxSettings, Relaxation, relax, relax_until},
 };
 use untangled_checker::count_edge_face;
 use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};
@@ -202,4 +205,34 @@ fn relax_on_bodies_that_overlap_waits_for_nothing_there() {
     assert!(relax_with(all).history.is_empty());
     // One free body moves out of the pinned one.
     assert!(relax_with(pins[49..].to_vec()).blocked.is_empty());
+}
+
+#[test]
+fn relax_that_moves_other_vertices_keeps_tiny_values_and_signs_of_zeros() {
+    let mut sheet = scenes().swap_remove(1).1;
+    let first = sheet.positions.len();
+    let corner = u32::try_from(first).unwrap();
+    sheet.positions.extend([[-0.0, 1e-80, 9.0], [1.0, -1e-300, 9.0], [-0.0, 1.0, 9.0]]);
+    sheet.faces.push([corner, corner + 1, corner + 2]);
+    let mesh = Mesh::new(sheet.bare_description()).unwrap();
+    let settings = RelaxSettings::default();
+    let relaxation = relax(&mesh, &sheet.positions, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(!relaxation.history.is_empty());
+    let bits = |positions: &[[f64; 3]]| positions[first..].iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&relaxation.positions), bits(&sheet.positions));
+}
+
+#[test]
+fn relax_until_stopped_at_once_gives_back_the_input_as_interrupted() {
+    let sheet = &scenes()[3].1;
+    let settings = RelaxSettings::default();
+    let mut no_progress = |_: &_| ControlFlow::Continue(());
+    let relaxation = relax_until(&sheet.mesh(), &sheet.positions, &settings, &mut no_progress, &|| true).unwrap();
+    assert!(relaxation.interrupted && relaxation.history.is_empty() && !relaxation.blocked.is_empty());
+    assert_eq!(relaxation.positions, sheet.positions);
+    // The end comes within an iteration: it is asked for long before the first one is over.
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) > 50;
+    let relaxation = relax_until(&sheet.mesh(), &sheet.positions, &settings, &mut no_progress, &stop).unwrap();
+    assert!(relaxation.interrupted && relaxation.history.is_empty());
 }

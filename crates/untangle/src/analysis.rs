@@ -63,7 +63,10 @@ impl Analyser {
         self.search = self.intersector.intersect_within(mesh, frame, limits, observer, intersections);
         select(intersections);
         observer.begin(Stage::Paths);
-        self.path_finder.find(mesh, frame, intersections, paths);
+        if !self.path_finder.find_within(mesh, frame, intersections, observer, paths) {
+            self.search = SearchEnd::OutOfTime;
+            intersections.clear();
+        }
         observer.begin(Stage::Regions);
         self.region_finder.find(mesh, frame, paths, settings, observer, regions);
         observer.end();

@@ -92,7 +92,8 @@ fn metrics_of_a_session_are_prometheus_text() {
     let head = http(&address, "HEAD /metrics HTTP/1.1\r\n\r\n");
     assert!(head.starts_with("HTTP/1.1 200") && head.ends_with("\r\n\r\n"), "{head}");
     assert!(http(&address, "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
-    // Silent connections keep no other waiting, and no frame. One more than are served at a time takes the oldest's place.
+    // Silent connections keep no other waiting, and no frame. One more than are served at a time takes the oldest's
+    // place.
     let _silent: Vec<_> = (0..100).map(|_| TcpStream::connect(&address).unwrap()).collect();
     let begin = Instant::now();
     session.exchange(STEP, PATIENCE, fill_flat).unwrap();

@@ -48,7 +48,7 @@ pub struct Intersections {
 
 impl Intersections {
     /// Forgets all of them.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.edge_face.clear();
         self.segments.clear();
     }

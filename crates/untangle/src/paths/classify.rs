@@ -12,7 +12,11 @@ use crate::{
     frame::Frame,
     intersect::Intersections,
     mesh::{Mesh, VertexId},
+    stage::{Pace, StageObserver},
 };
+
+/// Work of writing out one segment with both copies, in the units of a pace.
+const WORK_PER_SEGMENT: usize = 16;
 
 /// Traces and classifies the paths of a frame, reusing its memory from frame to frame.
 #[derive(Debug, Default)]
@@ -26,13 +30,25 @@ impl PathFinder {
     ///
     /// Cost: linear in the segments; where k chains meet in one loop vertex, O(k^2) for these and O(k^3) at worst.
     pub fn find(&mut self, mesh: &Mesh, frame: &Frame, found: &Intersections, paths: &mut IntersectionPaths) {
-        self.chains.trace(found);
+        self.find_within(mesh, frame, found, &mut (), paths);
+    }
+
+    /// The same, until the observer says that time is up: then false, and no paths.
+    pub(crate) fn find_within(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        found: &Intersections,
+        observer: &mut dyn StageObserver,
+        paths: &mut IntersectionPaths,
+    ) -> bool {
+        paths.clear();
+        let mut pace = Pace::new(observer);
+        if !self.chains.trace(found, &mut pace) {
+            return false;
+        }
         let view = ChainView { mesh, frame, found, chains: &self.chains };
         self.joiner.join(&view);
-        paths.pairs.clear();
-        paths.copies.clear();
-        paths.points.clear();
-        paths.segments.clear();
         let mut builder = Builder { view, paths };
         for chain in 0..self.chains.chains.len() {
             match self.joiner.of_chain(chain) {
@@ -41,7 +57,12 @@ impl PathFinder {
                 Join::Touching { partner } => builder.add_touching(chain, partner),
                 Join::Second => {}
             }
+            if pace.is_spent_after(WORK_PER_SEGMENT * self.chains.chains[chain].steps.len()) {
+                paths.clear();
+                return false;
+            }
         }
+        true
     }
 }
 

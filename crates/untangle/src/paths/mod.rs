@@ -241,6 +241,14 @@ pub struct IntersectionPaths {
 }
 
 impl IntersectionPaths {
+    /// Forgets all of them.
+    fn clear(&mut self) {
+        self.pairs.clear();
+        self.copies.clear();
+        self.points.clear();
+        self.segments.clear();
+    }
+
     /// World length from the start of a path to each of its points, in metres. Corresponding paths share their world
     /// positions, so that it is the arclength of both; on a path that folds back at a loop vertex both directions
     /// count.

@@ -10,7 +10,11 @@ use std::ops::Range;
 use crate::{
     intersect::{Intersections, SegmentEnd},
     mesh::FaceId,
+    stage::Pace,
 };
+
+/// Work of tracing one step, in the units of a pace.
+const WORK_PER_STEP: usize = 8;
 
 /// One segment of a chain with the faces of both copies.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +48,9 @@ pub(crate) struct Chains {
 }
 
 impl Chains {
-    /// Traces all chains, in the order of their lowest segments. Cost: linear in the segments.
-    pub(crate) fn trace(&mut self, found: &Intersections) {
+    /// Traces all chains, in the order of their lowest segments; false where time is up before. Cost: linear in the
+    /// segments.
+    pub(crate) fn trace(&mut self, found: &Intersections, pace: &mut Pace<'_>) -> bool {
         self.link(found);
         self.chains.clear();
         self.steps.clear();
@@ -54,9 +59,14 @@ impl Chains {
         self.visited.resize(found.segments.len(), false);
         for seed in 0..u32::try_from(found.segments.len()).expect("fewer than 2^32 segments") {
             if !self.visited[seed as usize] {
+                let before = self.steps.len();
                 self.trace_from(found, seed);
+                if pace.is_spent_after(WORK_PER_STEP * (self.steps.len() - before)) {
+                    return false;
+                }
             }
         }
+        true
     }
 
     /// Lists the segments that end in each edge-face intersection.

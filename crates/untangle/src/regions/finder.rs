@@ -7,7 +7,7 @@ use super::{
     disc::Disc,
     flood::{FillRules, Flood, Partition},
     left_of_path::left_ends,
-    side::choose_side,
+    side::SideChooser,
     starts_pair,
     view::FrameView,
 };
@@ -23,6 +23,7 @@ use crate::{
 #[derive(Debug, Default)]
 pub struct RegionFinder {
     flood: Flood,
+    sides: SideChooser,
     disc: Disc,
     detours: BoundaryDetours,
     /// For each edge that a path crosses its place among the crossings and its end on the left, sorted.
@@ -89,7 +90,8 @@ impl RegionFinder {
             self.detours.edges(index).for_each(|edge| self.flood.cross(edge));
         }
         let points = view.points_of(&view.paths.copies[first]);
-        let region = fill_inside(&mut self.flood, view, points, &|_| true, &|_| None, false, regions);
+        let region =
+            fill_inside((&mut self.flood, &mut self.sides), view, points, &|_| true, &|_| None, false, regions);
         if region.partitioning {
             regions.by_copy[first] = Some(InsideRegion { joint: true, ..region });
             regions.by_copy[second] = Some(InsideRegion { partitioning: true, joint: true, ..InsideRegion::default() });
@@ -134,7 +136,7 @@ impl RegionFinder {
         self.flood.reset(view.mesh);
         self.cross_edges(view.paths, &view.paths.copies[copy]);
         let points = view.points_of(&view.paths.copies[copy]);
-        fill_inside(&mut self.flood, view, points, &|_| true, &|_| None, opposite, regions)
+        fill_inside((&mut self.flood, &mut self.sides), view, points, &|_| true, &|_| None, opposite, regions)
     }
 
     /// The inside of the disc round the loop vertex of a BLI path.
@@ -159,7 +161,7 @@ impl RegionFinder {
         let (disc, left) = (&self.disc, &self.left);
         let left = |edge| left.binary_search_by_key(&edge, |&(edge, ..)| edge).ok().map(|at| left[at].2);
         let allowed = |vertex| disc.contains(view.mesh, vertex);
-        let region = fill_inside(&mut self.flood, view, points, &allowed, &left, false, regions);
+        let region = fill_inside((&mut self.flood, &mut self.sides), view, points, &allowed, &left, false, regions);
         InsideRegion { disc_radius: Some(radius), ..region }
     }
 
@@ -182,7 +184,7 @@ impl RegionFinder {
 /// Fills both sides of the path whose crossings `flood` holds, and keeps the inside or, with `opposite`, the other
 /// side.
 fn fill_inside(
-    flood: &mut Flood,
+    (flood, sides): (&mut Flood, &mut SideChooser),
     view: &FrameView<'_>,
     points: &[PathPoint],
     allowed: &dyn Fn(VertexId) -> bool,
@@ -198,7 +200,7 @@ fn fill_inside(
     let first = regions.vertices.len();
     let partitioning = flood.fill(view.mesh, &rules) == Partition::TwoSides;
     if partitioning {
-        let mut inside = choose_side(flood, view, points, &rules);
+        let mut inside = sides.choose(flood, view, points, &rules);
         if opposite {
             inside = 1 - inside;
             flood.complete(view.mesh, &rules);

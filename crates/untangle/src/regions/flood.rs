@@ -3,9 +3,8 @@
 //!
 //! Two vertices joined by an edge that the path crosses an odd number of times lie on different sides, all other
 //! neighbours on the same side. The fill ends when one side has no neighbour left to visit and every crossed edge has
-//! been seen; then that side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist
-//! anywhere: the path separates, although most of the larger side was never visited. The cost grows with the smaller
-//! side.
+//! been seen; then that side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist: the
+//! path separates, although most of the larger side was never visited. The cost grows with the smaller side.
 
 use std::collections::VecDeque;
 
@@ -14,12 +13,10 @@ use crate::{
     sparse_map::SparseMap,
 };
 
-/// What a fill found.
+/// What a fill found: whether the path divides the vertices in two; the smaller side is complete in [`Flood::smaller`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Partition {
-    /// The path does not divide the vertices in two.
     Connected,
-    /// It does; the smaller side is complete in [`Flood::smaller`].
     TwoSides,
 }
 
@@ -36,12 +33,10 @@ pub(crate) struct FillRules<'a> {
     pub(crate) left: &'a dyn Fn(EdgeId) -> Option<VertexId>,
 }
 
-/// An edge that the path crosses.
+/// An edge that the path crosses: whether an odd number of times, and whether the fill has come to it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Crossing {
-    /// Whether the number of crossings is odd.
     is_odd: bool,
-    /// Whether the fill has come to it.
     is_seen: bool,
 }
 
@@ -84,6 +79,11 @@ impl Flood {
         self.crossings.get(edge).is_some_and(|crossing| crossing.is_odd)
     }
 
+    /// Whether an edge leads to a vertex on the same side, after a fill that separated, reached by it or not.
+    pub(crate) fn leads_to_same_side(&self, edge: EdgeId, neighbour: VertexId, rules: &FillRules<'_>) -> bool {
+        !self.is_crossed(edge) && self.is_open(neighbour, rules)
+    }
+
     /// Fills both sides.
     pub(crate) fn fill(&mut self, mesh: &Mesh, rules: &FillRules<'_>) -> Partition {
         for side in 0..2 {
@@ -107,7 +107,8 @@ impl Flood {
         partition
     }
 
-    fn is_open(&self, vertex: VertexId, rules: &FillRules<'_>) -> bool {
+    /// Whether a vertex takes part in a fill.
+    pub(crate) fn is_open(&self, vertex: VertexId, rules: &FillRules<'_>) -> bool {
         !self.removed.contains(vertex) && (rules.allowed)(vertex)
     }
 

@@ -27,8 +27,8 @@ pub(super) enum Pace {
 
 /// With more edge-face intersections than this a displacement takes long.
 const MAX_FOR_TRIALS: usize = 2500;
-/// The constraints of more paths than this, in one island, contradict each other. The number of paths does not depend on
-/// how fine a mesh is, that of edge-face intersections does.
+/// The constraints of more paths than this, in one island, contradict each other. The number of paths does not depend
+/// on how fine a mesh is, that of edge-face intersections does.
 const MAX_PATHS: usize = 60;
 
 /// Whether trials of so many edge-face intersections take long.
@@ -60,8 +60,8 @@ const LARGE: usize = 500;
 /// Where more than this part of a crowded tangle can be flattened, that comes first.
 const MOST: f64 = 0.5;
 
-/// The plans in order: local displacements first, but for crumples, where flattening is quicker and they fail. Flattening
-/// of pieces that only meet other pieces is tried last, and not at all where it takes long.
+/// The plans in order: local displacements first, but for crumples, where flattening is quicker and they fail.
+/// Flattening of pieces that only meet other pieces is tried last, and not at all where it takes long.
 pub(super) fn plans(largest: Largest) -> Vec<Plan> {
     let resolve = |objective, inside| Plan::Resolve { objective, inside, pace: Pace::Usual };
     let normal = resolve(Objective::Normal, InsideChoice::Work);

@@ -2,14 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use super::{Polygon, corner_tree::CornerTree, emit_fan};
+use super::{
+    corner_tree::CornerTree,
+    plain::{Polygon, emit_fan},
+};
 
 /// Most orientation signs for one polygon, and more for each of its corners. A polygon for which they do not suffice,
 /// since it crosses itself again and again, becomes a fan.
 const MOST_SIGNS: usize = 120_000_000;
 const MOST_SIGNS_OF_A_CORNER: usize = 1_000;
 
-/// Clips the ears that [`clip_plainly`](super::clip_plainly) clips, in the same order.
+/// Clips the ears that [`plain::clip`](super::plain::clip) clips, in the same order.
 ///
 /// It looks for obstacles in a tree, and looks at a corner again only when the answer may have changed: when a
 /// neighbour of the corner or the obstacle that was found has been clipped. All other corners are known to be no ears,

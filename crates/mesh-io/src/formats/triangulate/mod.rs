@@ -1,12 +1,15 @@
 //! Polygons split into triangles.
 //!
 //! No crate for this (`earcut`, `spade` and others) gives the triangles that a plain clipping of ears gives, and the
-//! triangles decide what a repair does: so the plain method is the rule here, and [`fast`] follows it to the triangle.
+//! triangles decide what a repair does: so the plain method is the rule here, and `fast` follows it to the triangle.
 
 mod corner_tree;
 mod fast;
+mod plain;
 
-use robust::{Coord, orient2d};
+use robust::Coord;
+
+use plain::Polygon;
 
 /// Up to this number of corners the plain search is as fast as the tree.
 const MOST_CORNERS_OF_PLAIN_SEARCH: usize = 64;
@@ -17,71 +20,14 @@ const MOST_CORNERS_OF_PLAIN_SEARCH: usize = 64;
 /// decided by exact signs (Shewchuk 1997). A convex polygon so becomes the fan of its first corner, as in most
 /// programs. What remains of a polygon without an ear, because it crosses itself or lies on a line, becomes a fan too.
 ///
-/// Cost: O(n log n) for ordinary polygons; bounded for all others, see [`fast::clip`].
+/// Cost: O(n log n) for ordinary polygons; bounded for all others.
 pub(crate) fn clip_ears(points: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
     let plane = project(points);
     let polygon = Polygon { points, plane: &plane };
     if points.len() <= MOST_CORNERS_OF_PLAIN_SEARCH {
-        clip_plainly(polygon, &mut emit);
+        plain::clip(polygon, &mut emit);
     } else {
         fast::clip(polygon, &mut emit);
-    }
-}
-
-/// The corners of a polygon, in space and in the plane in which it runs counter-clockwise.
-#[derive(Clone, Copy, Debug)]
-struct Polygon<'a> {
-    points: &'a [[f64; 3]],
-    plane: &'a [Coord<f64>],
-}
-
-impl Polygon<'_> {
-    fn turns_left(self, a: usize, b: usize, c: usize) -> bool {
-        orient2d(self.plane[a], self.plane[b], self.plane[c]) > 0.0
-    }
-
-    /// Whether a corner keeps three others from being an ear: it lies in their triangle or on its border. A corner at
-    /// the same place as one of the ear's is a bridge to a hole, not an obstacle.
-    fn obstructs(self, other: usize, ear: [usize; 3]) -> bool {
-        let [a, b, c] = ear;
-        let is_left = |a: usize, b: usize| orient2d(self.plane[a], self.plane[b], self.plane[other]) >= 0.0;
-        !ear.contains(&other)
-            && !ear.iter().any(|&corner| self.points[corner] == self.points[other])
-            && is_left(a, b)
-            && is_left(b, c)
-            && is_left(c, a)
-    }
-}
-
-/// Clips ears by looking at all corners for each. Cost: O(n^2) for a convex polygon, O(n^3) for others.
-fn clip_plainly(polygon: Polygon<'_>, emit: &mut dyn FnMut([usize; 3])) {
-    let mut ring: Vec<usize> = (0..polygon.points.len()).collect();
-    let (mut at, mut failures) = (1, 0);
-    while ring.len() > 3 && failures < ring.len() {
-        let count = ring.len();
-        at %= count;
-        let ear = [ring[(at + count - 1) % count], ring[at], ring[(at + 1) % count]];
-        let [before, tip, after] = ear;
-        if polygon.turns_left(before, tip, after) && !ring.iter().any(|&other| polygon.obstructs(other, ear)) {
-            emit(ear);
-            ring.remove(at);
-            // Staying where the ear was makes the fan of the first corner out of a convex polygon.
-            failures = 0;
-            if at == ring.len() {
-                at = 1;
-            }
-        } else {
-            at += 1;
-            failures += 1;
-        }
-    }
-    emit_fan(&ring, emit);
-}
-
-/// The triangles of the first corner with all edges of the ring that do not touch it.
-fn emit_fan(ring: &[usize], emit: &mut dyn FnMut([usize; 3])) {
-    for pair in ring.windows(2).skip(1) {
-        emit([ring[0], pair[0], pair[1]]);
     }
 }
 
@@ -191,7 +137,7 @@ mod tests {
                 let plane = project(&points);
                 let polygon = Polygon { points: &points, plane: &plane };
                 let (mut plain, mut fast) = (Vec::new(), Vec::new());
-                clip_plainly(polygon, &mut |triangle| plain.push(triangle));
+                plain::clip(polygon, &mut |triangle| plain.push(triangle));
                 fast::clip(polygon, &mut |triangle| fast.push(triangle));
                 assert_eq!(plain, fast, "{points:?}");
                 num_ears += plain.iter().filter(|triangle| triangle[0] != 0).count();

@@ -14,37 +14,45 @@ use crate::{
     settings::{InsideChoice, Settings},
 };
 use winding::winding_number;
-use work::by_work;
+use work::WorkSearch;
 
-/// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the first
-/// of them that is switched on and has an answer. The vertices of the inside are complete in `flood` afterwards.
-pub(crate) fn choose_side(
-    flood: &mut Flood,
-    view: &FrameView<'_>,
-    points: &[PathPoint],
-    rules: &FillRules<'_>,
-) -> usize {
-    let Settings { layer_order, winding, pinned_outside, .. } = *view.settings;
-    let mut choice = None;
-    if layer_order && let Some(layers) = view.mesh.layers() {
-        choice = by_layers(flood, view, layers, points);
+/// Chooses sides, reusing its memory.
+#[derive(Debug, Default)]
+pub(crate) struct SideChooser {
+    work: WorkSearch,
+}
+
+impl SideChooser {
+    /// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the first
+    /// of them that is switched on and has an answer. The vertices of the inside are complete in `flood` afterwards.
+    pub(crate) fn choose(
+        &mut self,
+        flood: &mut Flood,
+        view: &FrameView<'_>,
+        points: &[PathPoint],
+        rules: &FillRules<'_>,
+    ) -> usize {
+        let Settings { layer_order, winding, pinned_outside, .. } = *view.settings;
+        let mut choice = None;
+        if layer_order && let Some(layers) = view.mesh.layers() {
+            choice = by_layers(flood, view, layers, points);
+        }
+        if winding && choice.is_none() {
+            choice = by_winding(flood, view);
+        }
+        if pinned_outside && choice.is_none() {
+            flood.complete(view.mesh, rules);
+            choice = by_pins(flood, view.mesh);
+        }
+        if view.settings.inside == InsideChoice::Work && choice.is_none() {
+            choice = self.work.cheaper_side(flood, view, points, rules);
+        }
+        let inside = choice.unwrap_or(flood.smaller());
+        if inside != flood.smaller() {
+            flood.complete(view.mesh, rules);
+        }
+        inside
     }
-    if winding && choice.is_none() {
-        choice = by_winding(flood, view);
-    }
-    if pinned_outside && choice.is_none() {
-        flood.complete(view.mesh, rules);
-        choice = by_pins(flood, view.mesh);
-    }
-    if view.settings.inside == InsideChoice::Work && choice.is_none() {
-        flood.complete(view.mesh, rules);
-        choice = by_work(flood, view, points);
-    }
-    let inside = choice.unwrap_or(flood.smaller());
-    if inside != flood.smaller() {
-        flood.complete(view.mesh, rules);
-    }
-    inside
 }
 
 /// Each edge that pierces a face of another layer has one vote: its end behind an inner layer, or in front of an outer

@@ -12,10 +12,15 @@ use nalgebra::Point3;
 use crate::{
     mesh::VertexId,
     paths::{PathPoint, SurfacePoint},
-    regions::{flood::Flood, view::FrameView},
+    regions::{
+        flood::{FillRules, Flood},
+        view::FrameView,
+    },
+    sparse_map::SparseMap,
 };
 
 /// A vertex in the queue, with a point of the path that may be its nearest one; the smallest distance comes first.
+#[derive(Debug)]
 struct Reached {
     distance: f64,
     vertex: VertexId,
@@ -43,41 +48,87 @@ impl PartialEq for Reached {
 
 impl Eq for Reached {}
 
-/// The side with less work, after a fill that is complete on both sides; nothing where both take the same.
-///
-/// A Dijkstra search from the crossed edges outwards, in which each vertex hands the point of the path that is nearest
-/// to it on to its neighbours. Cost: O(n log n) in the piece.
-pub(crate) fn by_work(flood: &Flood, view: &FrameView<'_>, points: &[PathPoint]) -> Option<usize> {
-    let mut is_settled = vec![false; view.mesh.num_vertices()];
-    let mut queue = BinaryHeap::new();
-    let reach = |vertex: VertexId, from: Point3<f64>| {
-        let distance = (view.frame.position(vertex) - from).norm();
-        Reached { distance, vertex, from }
-    };
-    for point in points {
-        let SurfacePoint::Edge { edge, .. } = point.own else { continue };
-        let ends = view.mesh.edge(edge).into_iter().filter(|&end| flood.side_of(end).is_some());
-        queue.extend(ends.map(|end| reach(end, point.position)));
-    }
-    let mut work = [0.0; 2];
-    while let Some(Reached { distance, vertex, from }) = queue.pop() {
-        let Some(side) = flood.side_of(vertex) else { continue };
-        if std::mem::replace(&mut is_settled[vertex.index()], true) {
-            continue;
+/// Searches for the work of both sides, reusing its memory.
+#[derive(Debug, Default)]
+pub(super) struct WorkSearch {
+    is_settled: SparseMap<VertexId, ()>,
+    queue: BinaryHeap<Reached>,
+}
+
+impl WorkSearch {
+    /// The side with less work, after a fill that separated; nothing where both take the same.
+    ///
+    /// The side that the fill completed is searched whole, the other one only until it takes more work: there is no
+    /// need to know more of it, and mostly it is the rest of the piece. Cost: O(n log n) in the vertices that are
+    /// reached.
+    pub(super) fn cheaper_side(
+        &mut self,
+        flood: &mut Flood,
+        view: &FrameView<'_>,
+        points: &[PathPoint],
+        rules: &FillRules<'_>,
+    ) -> Option<usize> {
+        let is_unknown = |end: VertexId| flood.side_of(end).is_none() && flood.is_open(end, rules);
+        let mut edges = points.iter().filter_map(|point| match point.own {
+            SurfacePoint::Edge { edge, .. } => Some(edge),
+            _ => None,
+        });
+        if edges.any(|edge| view.mesh.edge(edge).into_iter().any(is_unknown)) {
+            // The path crosses an edge of the larger side twice.
+            flood.complete(view.mesh, rules);
         }
-        work[side] += view.vertex_area(vertex) * distance * distance;
-        for &edge in view.mesh.vertex_edges(vertex) {
-            let neighbour = view.mesh.opposite_vertex(edge, vertex);
-            if flood.side_of(neighbour) == Some(side) && !is_settled[neighbour.index()] {
-                queue.push(reach(neighbour, from));
+        let first = flood.smaller();
+        let known = self.work(flood, view, points, rules, (first, f64::INFINITY));
+        let other = self.work(flood, view, points, rules, (1 - first, known));
+        if known < other {
+            Some(first)
+        } else if other < known {
+            Some(1 - first)
+        } else {
+            None
+        }
+    }
+
+    /// The work of a side, or a part of it that is more than `enough`.
+    ///
+    /// A Dijkstra search from the crossed edges outwards, in which each vertex hands the point of the path that is
+    /// nearest to it on to its neighbours.
+    fn work(
+        &mut self,
+        flood: &Flood,
+        view: &FrameView<'_>,
+        points: &[PathPoint],
+        rules: &FillRules<'_>,
+        (side, enough): (usize, f64),
+    ) -> f64 {
+        let Self { is_settled, queue } = self;
+        is_settled.reset(view.mesh.num_vertices());
+        queue.clear();
+        let reach = |vertex: VertexId, from: Point3<f64>| {
+            let distance = (view.frame.position(vertex) - from).norm();
+            Reached { distance, vertex, from }
+        };
+        for point in points {
+            let SurfacePoint::Edge { edge, .. } = point.own else { continue };
+            let ends = view.mesh.edge(edge).into_iter().filter(|&end| flood.side_of(end) == Some(side));
+            queue.extend(ends.map(|end| reach(end, point.position)));
+        }
+        let mut work = 0.0;
+        while let Some(Reached { distance, vertex, from }) = queue.pop() {
+            if !is_settled.insert(vertex, ()) {
+                continue;
+            }
+            work += view.vertex_area(vertex) * distance * distance;
+            if work > enough {
+                break;
+            }
+            for &edge in view.mesh.vertex_edges(vertex) {
+                let neighbour = view.mesh.opposite_vertex(edge, vertex);
+                if !is_settled.contains(neighbour) && flood.leads_to_same_side(edge, neighbour, rules) {
+                    queue.push(reach(neighbour, from));
+                }
             }
         }
-    }
-    if work[0] < work[1] {
-        Some(0)
-    } else if work[1] < work[0] {
-        Some(1)
-    } else {
-        None
+        work
     }
 }

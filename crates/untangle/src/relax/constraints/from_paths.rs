@@ -158,8 +158,8 @@ impl ConstraintSource<'_> {
         }
     }
 
-    /// Whether a path is a segment between two faces round a loop vertex, there and back, with no vertex inside. It gets shorter only
-    /// by crushing one of these faces, and its targets lie as near to the loop vertex as its points.
+    /// Whether a path is a segment between two faces round a loop vertex, there and back, with no vertex inside. It
+    /// gets shorter only by crushing one of these faces, and its targets lie as near to the loop vertex as its points.
     fn is_fold_of_one_ring(&self, copy: usize) -> bool {
         let path = &self.analysis.paths.copies[copy];
         path.path_type == PathType::BoundaryLoopInside

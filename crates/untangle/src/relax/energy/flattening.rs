@@ -119,8 +119,8 @@ impl<'a> FlatteningEnergy<'a> {
         sums
     }
 
-    /// Makes local and global steps until they change little, or so many, or the work is to stop. Cost: for each of them one solution and a fit
-    /// for each triangle.
+    /// Makes local and global steps until they change little, or so many, or the work is to stop. Cost: for each of
+    /// them one solution and a fit for each triangle.
     pub(crate) fn minimise(
         &self,
         system: &FlatteningSystem,

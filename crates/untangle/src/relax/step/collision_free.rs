@@ -52,8 +52,8 @@ impl<'a> CollisionFreeStep<'a> {
     }
 
     /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing, and less far
-    /// elsewhere. False if no step without intersections is left, or the work is to stop. Cost: one search for intersections for each round of
-    /// backtracking.
+    /// elsewhere. False if no step without intersections is left, or the work is to stop. Cost: one search for
+    /// intersections for each round of backtracking.
     pub(crate) fn advance(
         &mut self,
         positions: &mut [Point3<f64>],

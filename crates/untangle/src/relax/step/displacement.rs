@@ -56,8 +56,8 @@ pub(crate) struct DisplacementSolver {
 
 impl DisplacementSolver {
     /// Finds the displacement. Edges that change their length by more than a factor `max_stretch` are made stiffer,
-    /// round by round; from a warm start there is one round. False where a system can't be factorised, or the work is to
-    /// stop.
+    /// round by round; from a warm start there is one round. False where a system can't be factorised, or the work is
+    /// to stop.
     ///
     /// Cost: some factorisations of the domain's graph Laplacian and some hundred solutions with them.
     pub(crate) fn solve(
