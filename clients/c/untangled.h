@@ -77,6 +77,8 @@ enum untangled_error
     UNTANGLED_TOO_MANY_CORRECTIONS = 18,
     // Something in this library failed that should not.
     UNTANGLED_INTERNAL = 19,
+    // The daemon ended the frame at a limit of time or of intersections, before there was a correction. Go on without.
+    UNTANGLED_NOT_ANALYSED = 20,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

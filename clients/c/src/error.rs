@@ -56,6 +56,8 @@ pub enum ErrorCode {
     TooManyCorrections = 18,
     /// Something in this library failed that should not.
     Internal = 19,
+    /// The daemon ended the frame at a limit of time or of intersections, before there was a correction. Go on without.
+    NotAnalysed = 20,
 }
 
 /// Longest message in bytes, its end included; a longer one is cut.
@@ -124,8 +126,8 @@ pub extern "C" fn untangled_last_error() -> *const c_char {
 /// Whether a simulation should go on without help for this step, and try again with the next one.
 #[unsafe(no_mangle)]
 pub extern "C" fn untangled_is_transient(code: i32) -> bool {
-    use ErrorCode::{DaemonLost, Overtaken, Reconnecting, Timeout};
-    [Timeout, Reconnecting, DaemonLost, Overtaken].iter().any(|&transient| transient as i32 == code)
+    use ErrorCode::{DaemonLost, NotAnalysed, Overtaken, Reconnecting, Timeout};
+    [Timeout, Reconnecting, DaemonLost, Overtaken, NotAnalysed].iter().any(|&transient| transient as i32 == code)
 }
 
 impl From<RequestError> for Fault {
@@ -170,7 +172,8 @@ impl From<PublishError> for Fault {
 
 impl From<FrameRefusal> for Fault {
     fn from(error: FrameRefusal) -> Self {
-        Self::new(ErrorCode::FrameRefused, error)
+        let code = if error.is_transient() { ErrorCode::NotAnalysed } else { ErrorCode::FrameRefused };
+        Self::new(code, error)
     }
 }
 

@@ -187,6 +187,8 @@ impl Host {
                     WaitError::Timeout { .. } | WaitError::DaemonLost { .. } | WaitError::Overtaken { .. },
                 ),
             ) => None,
+            // As late as one that did not come in time.
+            Err(ExchangeError::Wait(WaitError::Refused(refusal))) if refusal.is_transient() => None,
             Err(error) => return Err(error.into()),
         };
         let largest_value = self.take(correction.as_ref());

@@ -22,8 +22,8 @@ create_exception!(
     untangled,
     Missed,
     Error,
-    "No correction for this frame: it did not come in time, or the daemon went away or on to a newer frame. Go on \
-     without it; the next frame tries again, and registers again by itself."
+    "No correction for this frame: it did not come in time, the daemon ended the frame at a limit of time or of \
+     intersections, or it went away or on to a newer frame. Go on without it; the next frame tries again, and registers again by itself."
 );
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -81,8 +81,11 @@ pub(crate) fn newest(error: NewestError) -> PyErr {
     }
 }
 
-/// A frame that was refused, with its number as the attribute `frame`.
+/// A frame that was refused, with its number as the attribute `frame`; or one that was only not analysed.
 pub(crate) fn refused(error: FrameRefusal) -> PyErr {
+    if error.is_transient() {
+        return Missed::new_err(error.to_string());
+    }
     let raised = FrameRefused::new_err(error.to_string());
     let named = Python::attach(|py| raised.value(py).setattr("frame", error.frame));
     named.err().unwrap_or(raised)

@@ -169,6 +169,13 @@ fn precision_in_words(precision: Precision) -> &'static str {
 }
 
 impl FrameRefusal {
+    /// Whether nothing is wrong with the frame: the daemon ended it at a limit of time or of intersections. Go on
+    /// without help for this step, as after a [`WaitError::Timeout`].
+    #[must_use]
+    pub fn is_transient(&self) -> bool {
+        matches!(self.status, Status::TooManyIntersections | Status::OutOfTime)
+    }
+
     /// What happened to the frame, and why.
     fn in_words(&self) -> String {
         let value = self.fault_value;
@@ -284,9 +291,10 @@ mod tests {
         let messages = [
             (refusal.to_string(), "vertex 7 (counted from 0) has coordinate NaN"),
             (header(Some("dt_s")).to_string(), "the step dt_s is NaN; it must be from 1e-9 to 1e9 seconds"),
-            (header(Some("simulated_s")).to_string(), "simulated_s is NaN"),
+            (header(Some("simulated_s")).to_string(), "the time simulated_s is NaN"),
             (header(None).to_string(), "NaN"),
             (FrameRefusal { status: Status::Internal, ..refusal }.to_string(), "defect"),
+            (FrameRefusal { status: Status::OutOfTime, fault_value: 8e3, ..refusal }.to_string(), "8000 us"),
             (refused.to_string(), "refused (bad mesh): face 3"),
             (WaitError::Timeout { frame: 3, waited: Duration::from_micros(50_123) }.to_string(), "within 50 ms"),
             (WaitError::Timeout { frame: 3, waited: Duration::from_millis(1500) }.to_string(), "within 1.5 s"),

@@ -126,8 +126,11 @@ impl ReconnectingLink {
             return Ok(());
         }
         let session = link.session;
-        let pending = Pending::send(&self.connection, RequestKind::Close, session, &[], 0)?;
-        pending.wait(&self.connection, deadline).map(drop)
+        let closed = Pending::send(&self.connection, RequestKind::Close, session, &[], 0)
+            .and_then(|pending| pending.wait(&self.connection, deadline).map(drop));
+        // It is not asked a second time when this is dropped.
+        self.state = State::Lost;
+        closed
     }
 
     fn send_registration(&mut self, deadline: Instant) -> Result<(), PublishError> {
