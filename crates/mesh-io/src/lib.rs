@@ -32,8 +32,9 @@
 //!
 //! | module | purpose |
 //! |---|---|
+//! | `printable` | text of files as a terminal may show it |
 //! | `error` | why a file was not read or not written |
-//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate` and `mesh_data` |
+//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
 //! | `world` | several files in one world |
@@ -46,6 +47,7 @@ mod file_format;
 mod formats;
 mod mesh_file;
 mod output;
+mod printable;
 #[cfg(test)]
 mod tests;
 mod world;
@@ -53,7 +55,11 @@ mod world;
 pub use contours::{write_contours_obj, write_contours_ply};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use file_format::FileFormat;
-pub use formats::polygon::Polygons;
+pub use formats::{
+    part::{Part, PartName},
+    polygon::Polygons,
+};
 pub use mesh_file::{MeshFile, read_mesh};
 pub use output::{Output, write_obj, write_ply};
+pub use printable::Printable;
 pub use world::{World, concatenate};

@@ -13,7 +13,9 @@ use crate::{
     formats::{
         gltf::{self, Container, Destination},
         mesh_data::MeshData,
-        obj, ply,
+        obj,
+        part::Part,
+        ply,
         polygon::Polygons,
     },
 };
@@ -59,10 +61,13 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 }
 
 impl MeshFile {
-    fn new(path: &Path, data: MeshData, document: Document) -> Result<Self, ReadErrorKind> {
-        let MeshData { positions, uv_coordinates, polygons } = &data;
+    fn new(path: &Path, mut data: MeshData, document: Document) -> Result<Self, ReadErrorKind> {
+        let MeshData { positions, uv_coordinates, polygons, parts } = &mut data;
         if positions.is_empty() || polygons.is_empty() {
             return Err(ReadErrorKind::Empty { num_vertices: positions.len(), num_faces: polygons.len() });
+        }
+        for part in parts {
+            part.faces = polygons.first_triangle(part.faces.start)..polygons.first_triangle(part.faces.end);
         }
         let (faces, uv_faces) = polygons.triangulate(positions);
         // Some exporters write one point for all corners of a mesh without texture coordinates. That is no map of the
@@ -121,6 +126,38 @@ impl MeshFile {
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// The named parts of the file, in its order: objects and groups of OBJ, nodes and meshes of glTF. What stands
+    /// under no name is in none.
+    #[must_use]
+    pub fn parts(&self) -> &[Part] {
+        &self.data.parts
+    }
+
+    /// The part in which a triangle of [`faces`](Self::faces) stands, if that has a name. Cost: O(log n).
+    #[must_use]
+    pub fn part_of_face(&self, face: usize) -> Option<&Part> {
+        let after = self.data.parts.partition_point(|part| part.faces.end <= face);
+        self.data.parts.get(after).filter(|part| part.faces.contains(&face))
+    }
+
+    /// The part of each vertex, if there is one, in one pass over the file: that of the first named face that uses it,
+    /// else the part in which the vertex itself stands.
+    #[must_use]
+    pub fn vertex_parts(&self) -> Vec<Option<&Part>> {
+        let mut parts = vec![None; self.data.positions.len()];
+        for part in &self.data.parts {
+            for &vertex in self.faces[part.faces.clone()].as_flattened() {
+                parts[vertex as usize].get_or_insert(part);
+            }
+        }
+        for part in &self.data.parts {
+            for slot in &mut parts[part.vertices.clone()] {
+                slot.get_or_insert(part);
+            }
+        }
+        parts
     }
 
     /// The texture coordinate indices of the triangles, `num_faces x 3`, if the file maps its faces to an area.

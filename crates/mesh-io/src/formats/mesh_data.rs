@@ -1,6 +1,6 @@
 //! What all formats come down to.
 
-use super::polygon::Polygons;
+use super::{part::Part, polygon::Polygons};
 
 /// The geometry of one file, as its parser found it.
 #[derive(Clone, Debug, Default)]
@@ -11,4 +11,6 @@ pub(crate) struct MeshData {
     pub(crate) uv_coordinates: Vec<[f64; 2]>,
     /// The faces.
     pub(crate) polygons: Polygons,
+    /// The named parts, whose `faces` count polygons.
+    pub(crate) parts: Vec<Part>,
 }

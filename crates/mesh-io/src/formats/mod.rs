@@ -4,6 +4,7 @@
 pub(crate) mod gltf;
 pub(crate) mod mesh_data;
 pub(crate) mod obj;
+pub(crate) mod part;
 pub(crate) mod ply;
 pub(crate) mod polygon;
 pub(crate) mod text;

@@ -54,6 +54,12 @@ impl Polygons {
         start..self.ends[polygon]
     }
 
+    /// Number of triangles before those of a polygon; of all triangles for the number of polygons.
+    pub(crate) fn first_triangle(&self, polygon: usize) -> usize {
+        let num_corners = polygon.checked_sub(1).map_or(0, |last| self.ends[last]);
+        num_corners - 2 * polygon
+    }
+
     /// Adds a corner to the polygon that is being built; `uv` is [`NO_UV`] for a corner without texture coordinates.
     pub(crate) fn push_corner(&mut self, vertex: u32, uv: u32) {
         self.corners.push(vertex);

@@ -2,6 +2,7 @@
 
 mod damage;
 mod obj;
+mod parts;
 mod ply;
 mod several;
 

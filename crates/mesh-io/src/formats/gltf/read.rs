@@ -7,7 +7,11 @@ use nalgebra::{Matrix4, Vector4};
 
 use crate::{
     error::ReadErrorKind,
-    formats::{mesh_data::MeshData, polygon::NO_UV},
+    formats::{
+        mesh_data::MeshData,
+        part::{PartBuilder, PartName},
+        polygon::NO_UV,
+    },
 };
 
 use super::{
@@ -33,11 +37,18 @@ pub(crate) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(MeshData,
         read.map_err(|_| ReadErrorKind::Malformed("lengths in it contradict each other".into()))??;
     let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
     let buffers = Buffers::load(&document, folder, blob)?;
-    let mut builder = Builder { document: &document, buffers: &buffers, data: MeshData::default(), blocks: Vec::new() };
+    let mut builder = Builder {
+        document: &document,
+        buffers: &buffers,
+        data: MeshData::default(),
+        blocks: Vec::new(),
+        parts: PartBuilder::default(),
+    };
     for (node, transform) in placed_nodes(&document)? {
         builder.node(&node, &transform)?;
     }
-    let Builder { data, blocks, .. } = builder;
+    let Builder { mut data, blocks, parts, .. } = builder;
+    data.parts = parts.finish(data.polygons.len(), data.positions.len());
     Ok((data, GltfDocument { source, chunks, buffers, blocks }))
 }
 
@@ -47,12 +58,17 @@ struct Builder<'a> {
     buffers: &'a Buffers,
     data: MeshData,
     blocks: Vec<Block>,
+    parts: PartBuilder,
 }
 
 impl Builder<'_> {
     /// Adds the mesh of a node, if it has one.
     fn node(&mut self, node: &Node<'_>, transform: &Matrix4<f64>) -> Result<(), ReadErrorKind> {
         let Some(mesh) = node.mesh() else { return Ok(()) };
+        let name = |kind, name: Option<&str>| name.map(|name| PartName { kind, name: name.into() });
+        self.parts.rename(self.data.polygons.len(), self.data.positions.len(), |part| {
+            (part.outer, part.inner) = (name("node", node.name()), name("mesh", mesh.name()));
+        });
         // The first vertex of each accessor of positions that this node uses. Never iterated.
         let mut first_vertices: HashMap<usize, usize> = HashMap::new();
         for primitive in mesh.primitives() {

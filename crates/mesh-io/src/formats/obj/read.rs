@@ -6,6 +6,7 @@ use crate::{
     error::ReadErrorKind,
     formats::{
         mesh_data::MeshData,
+        part::{PartBuilder, PartName},
         polygon::{NO_UV, Polygons},
         text::{self, LogicalLines, Tokens},
     },
@@ -43,14 +44,22 @@ pub(crate) fn parse(source: Vec<u8>) -> Result<(MeshData, ObjDocument), (Option<
     for offset in parser.coordinate_offsets.iter_mut().flatten() {
         *offset += skipped;
     }
-    let Parser { positions, uv_coordinates, polygons, coordinate_offsets, .. } = parser;
-    Ok((MeshData { positions, uv_coordinates, polygons }, ObjDocument { source, coordinate_offsets }))
+    let Parser { positions, uv_coordinates, polygons, coordinate_offsets, parts, .. } = parser;
+    let parts = parts.finish(polygons.len(), positions.len());
+    Ok((MeshData { positions, uv_coordinates, polygons, parts }, ObjDocument { source, coordinate_offsets }))
 }
 
 /// Length of the byte order mark at the start of a text.
 pub(crate) fn mark_length(source: &[u8]) -> usize {
     const MARK: &[u8] = b"\xef\xbb\xbf";
     if source.starts_with(MARK) { MARK.len() } else { 0 }
+}
+
+/// The name in the rest of a line, if there is one.
+fn part_name(kind: &'static str, tokens: &mut Tokens<'_>) -> Option<PartName> {
+    let words: Vec<&[u8]> = tokens.map(|(_, token)| token).collect();
+    let name = String::from_utf8_lossy(&words.join(&b' ')).into();
+    (!words.is_empty()).then_some(PartName { kind, name })
 }
 
 #[derive(Default)]
@@ -60,6 +69,7 @@ struct Parser {
     uv_coordinates: Vec<[f64; 2]>,
     polygons: Polygons,
     polygon_lines: Vec<usize>,
+    parts: PartBuilder,
 }
 
 impl Parser {
@@ -69,6 +79,16 @@ impl Parser {
             Some((_, b"vt")) => self.texture_coordinate(tokens),
             // `fo` is the outdated spelling of `f`.
             Some((_, b"f" | b"fo")) => self.face(line, tokens),
+            Some((_, b"o")) => {
+                let name = part_name("object", tokens);
+                self.parts.rename(self.polygons.len(), self.positions.len(), |part| part.outer = name);
+                Ok(())
+            }
+            Some((_, b"g")) => {
+                let name = part_name("group", tokens);
+                self.parts.rename(self.polygons.len(), self.positions.len(), |part| part.inner = name);
+                Ok(())
+            }
             _ => Ok(()),
         }
     }

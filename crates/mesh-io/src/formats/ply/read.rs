@@ -250,6 +250,7 @@ impl Reader {
             positions: std::mem::take(&mut self.positions),
             uv_coordinates,
             polygons: std::mem::take(&mut self.polygons),
+            parts: Vec::new(),
         }
     }
 }
