@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `outcome` | how a command ends, and printing |
 //! | `wording` | words that reports, tables and pictures share |
+//! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
@@ -17,6 +18,7 @@ mod outcome;
 pub mod picture;
 mod serve;
 mod status;
+mod weld;
 mod wording;
 
 use std::process::ExitCode;

@@ -9,3 +9,4 @@ mod fix_files;
 mod fix_inputs;
 mod manual;
 mod mesh_folder;
+mod weld;

@@ -25,6 +25,7 @@ use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 use super::{
     input::{self, Input, InputError, is_same_file},
     outcome::{self, Outcome},
+    weld::WeldArg,
 };
 use report::StageTimes;
 
@@ -45,6 +46,10 @@ pub struct CheckArgs {
     /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
     #[arg(long, value_name = "FILE")]
     pub contours: Option<PathBuf>,
+    /// Vertices in one place that are one along seams: those in `exact`ly one place, those within so many METRES, or
+    /// none (`off`)
+    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
+    pub weld: WeldArg,
 }
 
 /// Why a check could not be done.
@@ -75,7 +80,7 @@ pub enum CheckError {
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
-    let (report, analysis) = check(&args.files, args.face_pairs)?;
+    let (report, analysis) = check(&args.files, args.weld, args.face_pairs)?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
@@ -88,17 +93,17 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 ///
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
-pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
     let world = input::join(files, &meshes)?;
-    let Input { mesh, frame, .. } = Input::new(&meshes, world)?;
+    let input = Input::new(&meshes, world, weld)?;
     drop(meshes);
     let mut analyser = Analyser::default();
-    let analysis = analyser.analyse(&mesh, &frame, &Settings::default(), &mut clock).clone();
-    let report = Report::new(files, &mesh, &analysis, clock.times, list_face_pairs);
+    let analysis = analyser.analyse(&input.mesh, &input.frame, &Settings::default(), &mut clock).clone();
+    let report = Report::new(files, &input, &analysis, clock.times, list_face_pairs);
     Ok((report, analysis))
 }
 

@@ -11,11 +11,13 @@ use serde::Serialize;
 
 use untangle::{
     analysis::Analysis,
-    mesh::Mesh,
+    mesh::VertexId,
     paths::{ChainEnd, PairType, PathPair, PathType},
+    weld::Weld,
 };
 
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
+use crate::cli::input::Input;
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
 #[derive(Clone, Debug, Serialize)]
@@ -26,6 +28,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// Vertices of all files, including unused ones.
     pub num_vertices: usize,
+    /// Vertices that are one with an earlier one in their place.
+    pub num_welded_vertices: usize,
     /// Triangles.
     pub num_faces: usize,
     /// Triangles with a repeated vertex, which have no area to intersect.
@@ -64,9 +68,9 @@ pub struct PairReport {
     pub num_segments: usize,
     /// Length in the world, in metres.
     pub length_m: f64,
-    /// Loop vertices.
+    /// Loop vertices; of a welded one the lowest index.
     pub loop_vertices: Vec<u32>,
-    /// Free ends.
+    /// Free ends; of welded vertices the lowest indices.
     pub ends: Vec<ChainEnd>,
     /// Its paths after splitting.
     pub copies: Vec<CopyReport>,
@@ -80,7 +84,7 @@ pub struct CopyReport {
     pub path_type: PathType,
     /// Number of triangles that it passes through, counted each time.
     pub num_segments: usize,
-    /// Vertices inside, ascending; `None` for II and BI.
+    /// Vertices inside, ascending, of welded ones all; `None` for II and BI.
     pub inside_vertices: Option<Vec<u32>>,
     /// Whether it partitions the cloth.
     pub partitioning: bool,
@@ -106,30 +110,51 @@ impl Serialize for StageTimes {
 }
 
 impl PairReport {
-    fn new(analysis: &Analysis, pair: &PathPair) -> Self {
+    fn new(weld: &Weld, analysis: &Analysis, pair: &PathPair) -> Self {
         Self {
             pair_type: pair.pair_type,
             closed: pair.closed,
             num_segments: pair.num_segments,
             length_m: pair.length_m,
-            loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
-            ends: pair.ends.to_vec(),
-            copies: pair.copies.clone().map(|at| CopyReport::new(analysis, at)).collect(),
+            loop_vertices: pair.loop_vertices.iter().map(|&vertex| weld.first(vertex)).collect(),
+            ends: pair.ends.iter().map(|&end| in_files(weld, end)).collect(),
+            copies: pair.copies.clone().map(|at| CopyReport::new(weld, analysis, at)).collect(),
         }
     }
 }
 
+/// An end by the vertices of the files.
+fn in_files(weld: &Weld, end: ChainEnd) -> ChainEnd {
+    let first = |vertex: u32| weld.first(VertexId(vertex));
+    let edge_in_files = |edge: [u32; 2]| {
+        let mut edge = edge.map(first);
+        edge.sort_unstable();
+        edge
+    };
+    match end {
+        ChainEnd::Boundary { edge, face } => ChainEnd::Boundary { edge: edge_in_files(edge), face },
+        ChainEnd::Junction { edge, face } => ChainEnd::Junction { edge: edge_in_files(edge), face },
+        ChainEnd::Loop { vertex } => ChainEnd::Loop { vertex: first(vertex) },
+    }
+}
+
 impl CopyReport {
-    fn new(analysis: &Analysis, at: usize) -> Self {
+    fn new(weld: &Weld, analysis: &Analysis, at: usize) -> Self {
         let Analysis { paths, regions, .. } = analysis;
         let copy = &paths.copies[at];
         // II and BI bound no region alone; a region that both paths of a pair bound belongs to neither.
         let has_own = !matches!(copy.path_type, PathType::InsideInside | PathType::BoundaryInside);
         let region = regions.by_copy[at].as_ref().filter(|_| has_own);
+        let inside = || {
+            let inside = regions.vertices_of(at).iter();
+            let mut vertices: Vec<u32> = inside.flat_map(|&vertex| weld.copies(vertex)).copied().collect();
+            vertices.sort_unstable();
+            vertices
+        };
         Self {
             path_type: copy.path_type,
             num_segments: copy.segments.len(),
-            inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
+            inside_vertices: region.map(|_| inside()),
             partitioning: region.is_some_and(|region| region.partitioning),
         }
     }
@@ -138,7 +163,7 @@ impl CopyReport {
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
-        mesh: &Mesh,
+        Input { weld, mesh, .. }: &Input,
         analysis: &Analysis,
         time_us: StageTimes,
         list_face_pairs: bool,
@@ -148,7 +173,8 @@ impl Report {
         Self {
             schema: "untangled.check/1",
             files: files.iter().map(|path| path.display().to_string()).collect(),
-            num_vertices: mesh.num_vertices(),
+            num_vertices: weld.num_vertices(),
+            num_welded_vertices: weld.num_merged(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
             num_pieces: mesh.num_pieces(),
@@ -158,7 +184,7 @@ impl Report {
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
-            paths: paths.pairs.iter().map(|pair| PairReport::new(analysis, pair)).collect(),
+            paths: paths.pairs.iter().map(|pair| PairReport::new(weld, analysis, pair)).collect(),
             face_pairs: list_face_pairs.then(face_pairs),
             time_us,
         }
@@ -181,6 +207,9 @@ impl Display for Report {
         }
         write!(f, "{}", Counted(self.num_boundary_edges, "boundary edge"))?;
         writeln!(f, "{}", if self.manifold { "" } else { ", not manifold" })?;
+        if self.num_welded_vertices > 0 {
+            writeln!(f, "  {}", welded(self.num_welded_vertices))?;
+        }
         if self.num_ignored_faces > 0 {
             writeln!(f, "  {} with a repeated vertex ignored", Counted(self.num_ignored_faces, "face"))?;
         }

@@ -70,7 +70,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs) };
     let Repaired { written, history, blocked } = if before.is_clean() {
         interrupt.wait_for_files();
-        Repaired { written: repair.write(&input.positions)?, history: Vec::new(), blocked: Vec::new() }
+        Repaired { written: repair.write(&input, &input.positions)?, history: Vec::new(), blocked: Vec::new() }
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
@@ -82,11 +82,12 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_clean(),
+        num_welded_vertices: input.weld.num_merged(),
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),
         before,
         after,
-        distortion: Distortion::new(&input.mesh, &input.positions, &read_back.positions),
+        distortion: Distortion::new(&input, &read_back.positions),
         blocked,
         history,
     };
@@ -106,7 +107,7 @@ fn world(args: &FixArgs, files: &[MeshFile]) -> Result<(Input, Vec<u32>), FixErr
     let mut world = input::join(&args.files, files)?;
     let pins = args.pin.as_deref().map(|path| pins::read(path, world.positions.len())).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
-    Ok((Input::new(files, world)?, pins))
+    Ok((Input::new(files, world, args.weld)?, pins))
 }
 
 fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {

@@ -6,7 +6,7 @@ use untangle::{
     analysis::{Analysis, analyse},
     frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::Mesh,
+    mesh::{Mesh, VertexId},
     relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
 };
 use untangled_mesh_io::{MeshFile, read_mesh};
@@ -69,7 +69,7 @@ struct Round {
 
 impl Repair<'_> {
     /// Writes positions of the world to temporary files, reads these back and analyses them.
-    pub(super) fn write(&self, positions: &[[f64; 3]]) -> Result<Written, FixError> {
+    pub(super) fn write(&self, start: &Input, positions: &[[f64; 3]]) -> Result<Written, FixError> {
         let (mut staged, mut meshes, mut names): (Vec<Staged>, Vec<MeshFile>, Vec<PathBuf>) = Default::default();
         for Job { output, target, vertices } in self.jobs {
             let file = target.stage(|out| {
@@ -85,7 +85,8 @@ impl Repair<'_> {
         }
         let mut world = input::join(&names, &meshes).map_err(FixError::ReadBack)?;
         world.description.pins = self.pins.to_vec();
-        let input = Input::new(&meshes, world).map_err(FixError::ReadBack)?;
+        // What was one place is one place: the weld of the input is that of the output.
+        let input = Input::with_weld(&meshes, world, start.weld.clone()).map_err(FixError::ReadBack)?;
         let analysis = analyse(&input.mesh, &input.frame);
         Ok(Written { staged, counts: Counts::new(&analysis), analysis, input })
     }
@@ -121,7 +122,7 @@ impl Repair<'_> {
         let mut blocked: Vec<Blocked> = blocked.into_iter().map(Blocked::from).collect();
         if written.counts.num_edge_face_intersections > before.num_edge_face_intersections {
             // Rounding made the state worse than the input.
-            written = self.write(&input.positions)?;
+            written = self.write(input, &input.positions)?;
             blocked.clear();
         }
         if written.counts.is_clean() {
@@ -135,7 +136,7 @@ impl Repair<'_> {
     /// Relaxes a state once and writes it; appends its iterations to `history`.
     fn round(
         &self,
-        Input { mesh, positions, .. }: &Input,
+        start: &Input,
         history: &mut Vec<Iteration>,
         solver: Solver<'_>,
         interrupt: &mut Interrupt,
@@ -143,7 +144,8 @@ impl Repair<'_> {
     ) -> Result<Round, FixError> {
         let max_iterations = self.settings.max_iterations - history.len();
         let settings = RelaxSettings { max_iterations, ..self.settings.clone() };
-        let relaxation = solver(mesh, positions, &settings, &mut |iteration| {
+        let welded = start.weld.gather(&start.positions);
+        let mut relaxation = solver(&start.mesh, &welded, &settings, &mut |iteration| {
             progress.iteration(iteration);
             if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
@@ -152,9 +154,18 @@ impl Repair<'_> {
         progress.say("checking what is written");
         // A solver that counts an iteration too many must not make the subtraction above overflow.
         history.extend(relaxation.history.iter().take(max_iterations));
-        let was_clean = is_clean(mesh, &relaxation.positions)?;
+        for ((position, start), analysed) in relaxation.positions.iter_mut().zip(&welded).zip(start.frame.positions()) {
+            // Tiny coordinates were analysed as zero. What did not move keeps its bits.
+            if *position == <[f64; 3]>::from(*analysed) {
+                *position = *start;
+            }
+        }
+        for path in &mut relaxation.blocked {
+            path.vertex = start.weld.first(VertexId(path.vertex));
+        }
+        let was_clean = is_clean(&start.mesh, &relaxation.positions)?;
         interrupt.wait_for_files();
-        let written = self.write(&relaxation.positions)?;
+        let written = self.write(start, &start.weld.scatter(&start.positions, &relaxation.positions))?;
         interrupt.check()?;
         let lost_clean = was_clean && !written.counts.is_clean();
         Ok(Round { written, blocked: relaxation.blocked, lost_clean })
@@ -174,7 +185,7 @@ impl Repair<'_> {
             let vertex = pair.loop_vertices.first().copied().unwrap_or(written.input.mesh.face(face)[0]);
             Some(Blocked {
                 pair_type: pair.pair_type,
-                vertex: vertex.0,
+                vertex: written.input.weld.first(vertex),
                 length_m: pair.length_m,
                 reason: reason.clone(),
             })

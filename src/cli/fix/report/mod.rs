@@ -15,7 +15,7 @@ use untangle::{
     relax::{BlockedPath, Iteration},
 };
 
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 pub use distortion::Distortion;
 
@@ -30,6 +30,8 @@ pub struct Report {
     pub outputs: Vec<String>,
     /// Whether an exact check of the outputs, read back, found no intersection.
     pub clean: bool,
+    /// Vertices that are one with an earlier one in their place, and moved with it.
+    pub num_welded_vertices: usize,
     /// Iterations of the relaxation; 0 if the input was clean.
     pub num_iterations: usize,
     /// Time from the start to the end of the last check, in seconds.
@@ -104,6 +106,9 @@ impl Display for Report {
     /// The lines for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} -> {}", self.files.join(", "), self.outputs.join(", "))?;
+        if self.num_welded_vertices > 0 {
+            writeln!(f, "  {}", welded(self.num_welded_vertices))?;
+        }
         if self.before.is_clean() && self.clean {
             return writeln!(f, "  clean before: written unchanged");
         }
