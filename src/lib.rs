@@ -4,5 +4,6 @@
 
 pub mod cli;
 pub mod config;
+mod overlay;
 pub mod service;
 pub mod telemetry;

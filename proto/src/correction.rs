@@ -71,7 +71,8 @@ pub mod stage {
         ["ingest", "intersect", "paths", "regions", "correspond", "respond", "publish", "total"];
 }
 
-/// Flag in [`CorrectionHeader::flags`]: a time budget ended the work; the correction is the best so far.
+/// Flag in [`CorrectionHeader::flags`]: a limit ended the work, of time or of intersections. With status 0 the
+/// correction is the best so far; with another one nothing is known of the frame.
 pub const TRUNCATED: u32 = 1;
 /// [`CorrectionHeader::fault_index`] where no element is at fault.
 pub const NO_FAULT: u64 = u64::MAX;
@@ -97,7 +98,7 @@ pub struct CorrectionHeader {
     pub num_vertices: u32,
     /// The vertex at fault where the status says so, or [`NO_FAULT`].
     pub fault_index: u64,
-    /// The value at fault.
+    /// The value at fault, or the limit that ended the frame: pairs of faces, or microseconds.
     pub fault_value: f64,
     /// Number of edges that pierce a face.
     pub num_edge_face_intersections: u64,

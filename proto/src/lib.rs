@@ -14,6 +14,7 @@
 pub mod control;
 pub mod correction;
 pub mod limits;
+pub mod memory;
 pub mod names;
 pub mod paths;
 pub mod sections;
@@ -22,6 +23,7 @@ pub mod status;
 
 pub use control::{CorrectionKind, Precision, RegisterParams, ReplyHeader, RequestHeader, RequestKind};
 pub use correction::{CorrectionHeader, VertexCorrection, flags, pair_type};
+pub use memory::PayloadLayout;
 pub use state::{PositionF32, PositionF64, StateHeader};
 pub use status::Status;
 

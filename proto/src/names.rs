@@ -1,6 +1,9 @@
 //! Names of services. `instance` tells one run of a daemon from the next; `session` counts up within a run.
 
-/// Request-response service, and the event service that wakes the daemon: for a request and for a state.
+/// Request-response service for requests; the samples of sessions that are registered here are packed.
+pub const REQUESTS: &str = "untangled/requests";
+/// Event service that wakes the daemon: for a request and for a state. The request-response service of this name is
+/// [`REQUESTS`] for clients of release 0.1, with padded samples.
 pub const CONTROL: &str = "untangled/control";
 /// Event service that tells clients that a reply was sent.
 pub const REPLY: &str = "untangled/reply";

@@ -31,10 +31,15 @@ pub enum Status {
     BadHeader = 11,
     /// Something in the daemon failed that should not.
     Internal = 12,
+    // 13 is not given out: peers test with it what they do with a code that they don't know.
+    /// More faces of the frame intersect, or might, than the session's settings allow: it was not analysed.
+    TooManyIntersections = 14,
+    /// The frame's time was up before its intersections were found.
+    OutOfTime = 15,
 }
 
 impl Status {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 15] = [
         Self::Ok,
         Self::UnsupportedProtocol,
         Self::BadRequest,
@@ -48,12 +53,36 @@ impl Status {
         Self::BadPosition,
         Self::BadHeader,
         Self::Internal,
+        Self::TooManyIntersections,
+        Self::OutOfTime,
     ];
 
     /// The value on the wire.
     #[must_use]
     pub fn code(self) -> u32 {
         self as u32
+    }
+
+    /// What it means, in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Ok => "done",
+            Self::UnsupportedProtocol => "unsupported protocol",
+            Self::BadRequest => "bad request",
+            Self::BadMesh => "bad mesh",
+            Self::BadSettings => "bad settings",
+            Self::UnknownSession => "unknown session",
+            Self::TooManySessions => "too many sessions",
+            Self::TooLarge => "too large",
+            Self::NotEnoughMemory => "not enough shared memory",
+            Self::MassesRequired => "masses required",
+            Self::BadPosition => "bad position",
+            Self::BadHeader => "bad header",
+            Self::TooManyIntersections => "too many intersections",
+            Self::OutOfTime => "out of time",
+            Self::Internal => "internal: a defect of the daemon",
+        }
     }
 
     /// The status of a value on the wire, if it is one.

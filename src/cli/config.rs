@@ -1,5 +1,7 @@
 //! `untangled config`.
 
+use std::io::Write;
+
 use clap::Args;
 
 use crate::config::{self, Config};
@@ -13,7 +15,11 @@ pub(super) struct ConfigArgs {
 }
 
 pub(super) fn run(args: &ConfigArgs) -> Result<Outcome, CliError> {
-    let config = Config::load(&args.config)?;
+    let (config, warnings) = Config::load(&args.config)?;
+    for warning in warnings {
+        // Nobody may be reading any more.
+        let _ = writeln!(std::io::stderr(), "untangled: warning: {warning}");
+    }
     outcome::print(&(config.explained()? + "\n"))?;
     Ok(Outcome::Clean)
 }

@@ -57,6 +57,14 @@ pub enum InputError {
         /// What is wrong; vertices of this file, counted as its format does: from 1 in OBJ, from 0 elsewhere.
         source: FrameError,
     },
+    /// More intersects than was asked for.
+    #[error("{files}: more than {limit} pairs of triangles intersect; a larger --max-face-pairs takes more memory")]
+    TooManyFacePairs {
+        /// The files.
+        files: String,
+        /// Most pairs.
+        limit: u64,
+    },
 }
 
 /// Reads all files, in order.
@@ -130,7 +138,7 @@ fn names_of(files: &[MeshFile]) -> String {
     names(&files.iter().map(|file| file.path().to_path_buf()).collect::<Vec<_>>())
 }
 
-fn names(paths: &[PathBuf]) -> String {
+pub(super) fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 

@@ -6,6 +6,7 @@
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `limit` | their analysis, unless too much intersects |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -14,6 +15,7 @@ mod config;
 pub mod demo;
 pub mod fix;
 pub mod input;
+mod limit;
 mod outcome;
 pub mod picture;
 mod serve;
@@ -40,7 +42,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run the daemon until SIGINT or SIGTERM; prints `ready` on standard error when it serves.
+    /// Run the daemon until SIGINT, SIGTERM or SIGHUP; prints `ready` on standard error when it serves.
     Serve(serve::ServeArgs),
     /// Say what a running daemon does: sessions, frames, rates, stage times.
     Status(status::StatusArgs),
@@ -71,7 +73,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Clean) => ExitCode::SUCCESS,
         Ok(Outcome::Remaining) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("untangled: {error}");
+            outcome::complain(&error);
             ExitCode::from(2)
         }
     }

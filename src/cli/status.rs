@@ -1,7 +1,6 @@
 //! `untangled status`.
 
 use std::{
-    fmt::Write,
     io::IsTerminal,
     time::{Duration, Instant},
 };
@@ -29,7 +28,7 @@ pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
     let client = Client::connect(ClientOptions { domain: args.domain.clone(), timeout: Duration::from_secs(2) })?;
     let Some(seconds) = args.watch else {
         let report = client.status()?;
-        let text = if args.json { serde_json::to_string_pretty(&report)? } else { table(&report)? };
+        let text = if args.json { serde_json::to_string_pretty(&report)? } else { table(&report) };
         outcome::print(&(text + "\n"))?;
         return Ok(Outcome::Clean);
     };
@@ -41,7 +40,7 @@ pub(super) fn run(args: &StatusArgs) -> Result<Outcome, CliError> {
     let mut next = Instant::now();
     loop {
         let report = client.status()?;
-        let text = if args.json { report.to_string() } else { table(&report)? };
+        let text = if args.json { report.to_string() } else { table(&report) };
         if !outcome::print(&format!("{clear}{text}\n"))? {
             return Ok(Outcome::Clean);
         }
@@ -55,43 +54,78 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
 /// Moves the cursor home and clears the screen.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
-fn table(report: &Value) -> Result<String, std::fmt::Error> {
-    let mut out = String::new();
+/// Heads of the table's columns.
+const HEADS: [&str; 10] =
+    ["session", "vertices", "faces", "frames", "skipped", "refused", "truncated", "Hz", "EFs", "ms/frame"];
+
+/// The report for people: a line about the daemon, then one for each session.
+fn table(report: &Value) -> String {
     let number = |value: &Value| value.as_f64().unwrap_or(0.0);
-    writeln!(
-        out,
+    let mut out = format!(
         "untangled {} on domain `{}`, process {}, up {:.0} s, {} frames",
         report["library_version"].as_str().unwrap_or("?"),
         report["domain"].as_str().unwrap_or("?"),
         report["pid"],
         number(&report["uptime_s"]),
         report["num_frames"],
-    )?;
+    );
     let sessions = report["sessions"].as_array().map_or(&[][..], Vec::as_slice);
     if sessions.is_empty() {
-        write!(out, "no sessions")?;
-        return Ok(out);
+        return out + "\nno sessions";
     }
-    write!(
-        out,
-        "{:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>9} {:>7} {:>8} {:>9}",
-        "session", "vertices", "faces", "frames", "skipped", "refused", "truncated", "Hz", "EFs", "ms/frame"
-    )?;
-    for session in sessions {
-        write!(
-            out,
-            "\n{:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>9} {:>7.1} {:>8} {:>9.3}",
-            session["session"],
-            session["num_vertices"],
-            session["num_faces"],
-            session["num_frames"],
-            session["num_skipped_frames"],
-            session["num_refused_frames"],
-            session["num_truncated_frames"],
-            number(&session["rate_hz"]),
-            session["num_edge_face_intersections"],
-            number(&session["stage_us"]["total"]) / 1e3,
-        )?;
+    let rows = sessions.iter().map(|session| {
+        let count = |name: &str| session[name].to_string();
+        [
+            count("session"),
+            count("num_vertices"),
+            count("num_faces"),
+            count("num_frames"),
+            count("num_skipped_frames"),
+            count("num_refused_frames"),
+            count("num_truncated_frames"),
+            format!("{:.1}", number(&session["rate_hz"])),
+            count("num_edge_face_intersections"),
+            format!("{:.3}", number(&session["stage_us"]["total"]) / 1e3),
+        ]
+    });
+    let rows: Vec<[String; 10]> = [HEADS.map(str::to_owned)].into_iter().chain(rows).collect();
+    // Each column is as wide as its longest entry.
+    let widths: [usize; 10] = std::array::from_fn(|k| rows.iter().map(|row| row[k].len()).max().unwrap_or(0));
+    for row in rows {
+        out.push('\n');
+        let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        out.push_str(&cells.join("  "));
     }
-    Ok(out)
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_of_large_numbers_keeps_columns_under_their_heads() {
+        let session = |number: u64| {
+            serde_json::json!({
+                "session": number, "num_vertices": number, "num_faces": number, "num_frames": number,
+                "num_skipped_frames": number, "num_refused_frames": number, "num_truncated_frames": number,
+                "rate_hz": 1.0 * number as f64, "num_edge_face_intersections": number,
+                "stage_us": { "total": 10.0 * number as f64 },
+            })
+        };
+        let report = serde_json::json!({ "sessions": [session(7), session(12_345_678_901)], "num_frames": 3 });
+        let text = table(&report);
+        let lines: Vec<&str> = text.lines().skip(1).collect();
+        // Columns end below the ends of their heads.
+        let ends = |line: &str| -> Vec<usize> {
+            let bytes = line.as_bytes();
+            (0..bytes.len())
+                .filter(|&k| bytes[k] != b' ' && bytes.get(k + 1).is_none_or(|next| *next == b' '))
+                .collect()
+        };
+        assert_eq!(ends(lines[0]).len(), HEADS.len());
+        for line in &lines {
+            assert_eq!(ends(line), ends(lines[0]), "{text}");
+        }
+    }
 }

@@ -17,17 +17,26 @@ pub enum ConfigError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// The file is not TOML.
-    #[error("configuration file {path}: {source}")]
+    /// The file is not TOML, or has a key or a value that is not understood.
+    #[error("configuration file {}{}: {reason}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
     Toml {
         /// The file.
         path: PathBuf,
-        /// The error of the parser, with the line.
-        source: Box<toml::de::Error>,
+        /// The line, counted from 1.
+        line: Option<usize>,
+        /// What is wrong there.
+        reason: String,
     },
-    /// A key or a value that is not understood; the message names both and their layer.
-    #[error("configuration: {0}")]
-    Value(#[from] Box<figment::Error>),
+    /// A value that does not fit its key.
+    #[error("{layer}: {key}: {reason}")]
+    Value {
+        /// Where the value came from: a file, a variable or a flag.
+        layer: String,
+        /// The key.
+        key: String,
+        /// What is wrong with the value.
+        reason: String,
+    },
     /// A setting out of range.
     #[error("configuration: {0}")]
     Settings(#[from] SettingsError),
@@ -44,6 +53,16 @@ pub enum ConfigError {
     Limit {
         /// Its name.
         name: &'static str,
+        /// The value at fault.
+        value: usize,
+        /// The largest value.
+        limit: usize,
+    },
+    /// More workers than make sense.
+    #[error(
+        "configuration: num_workers is {value}; it must be at most {limit}, or 0 for as many as there are processors"
+    )]
+    Workers {
         /// The value at fault.
         value: usize,
         /// The largest value.

@@ -2,8 +2,21 @@
 
 /// Explains `settings.deadline_us`.
 pub(super) const DEADLINE: &str = concat!(
-    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first. ",
+    "Time for a frame in microseconds; what it does not suffice for is left out, the shortest paths first, ",
+    "or the whole frame, where its intersections are not found in time. ",
     "Without it there is no limit."
+);
+
+/// Explains `settings.max_face_pairs`.
+pub(super) const FACE_PAIRS: &str = concat!(
+    "Most pairs of faces that may intersect in a frame; a frame of more is not analysed. ",
+    "Without it: 4 for each face, at least 131072."
+);
+
+/// Explains `settings.max_tested_pairs`.
+pub(super) const TESTED_PAIRS: &str = concat!(
+    "Most pairs of faces whose bounding boxes may overlap in a frame; a frame of more is not analysed. ",
+    "Without it: 512 for each face, at least 67108864."
 );
 
 /// Explains `settings.thickness_m`.
@@ -16,8 +29,13 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
     ("[limits]", "What sessions may ask for."),
     ("limits.max_sessions", "Most sessions at a time, 1 to 64."),
+    ("limits.max_sessions_per_client", "Most sessions of one client process at a time, 1 to 64."),
     ("limits.max_vertices", "Most vertices of a session."),
     ("limits.max_faces", "Most faces of a session."),
+    (
+        "limits.max_session_memory_mb",
+        "Most memory of a session in megabytes, estimated from its vertices and faces when it is registered.",
+    ),
     ("[telemetry]", "Logs, on standard error, and metrics."),
     (
         "telemetry.filter",
@@ -29,7 +47,7 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     (
         "settings.response",
         "How corrections are found: `rbf` (fit of targets), `contour` (shorter paths), `displacement` (straight to \
-         the targets) or `mask` (flags only).",
+         the targets), `coupled` (all paths together) or `mask` (flags only).",
     ),
     (
         "settings.inside",
@@ -42,6 +60,8 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ),
     ("settings.max_step_edge_lengths", "Largest correction of a vertex in a step, in mean edge lengths."),
     ("settings.thickness_m", THICKNESS),
+    ("settings.max_face_pairs", FACE_PAIRS),
+    ("settings.max_tested_pairs", TESTED_PAIRS),
     ("settings.deadline_us", DEADLINE),
     ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),
     ("settings.winding", "Whether winding numbers decide what is inside, on closed and oriented pieces."),

@@ -10,6 +10,9 @@ use untangle::settings::{Quality, Settings};
 
 use super::error::ConfigError;
 
+/// Largest limit of a session's memory in megabytes, which is none: a terabyte.
+pub(super) const MAX_MEMORY_MB: usize = 1_000_000;
+
 /// The effective configuration of a process.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -34,10 +37,14 @@ pub struct Config {
 pub struct Limits {
     /// Most sessions at a time.
     pub max_sessions: usize,
+    /// Most sessions of one client, which is one process.
+    pub max_sessions_per_client: usize,
     /// Most vertices of a session.
     pub max_vertices: usize,
     /// Most faces of a session.
     pub max_faces: usize,
+    /// Most memory that a session may take in megabytes, as estimated at its registration.
+    pub max_session_memory_mb: usize,
 }
 
 /// Logs and metrics.
@@ -78,7 +85,13 @@ impl Default for Config {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { max_sessions: limits::MAX_SESSIONS, max_vertices: limits::MAX_VERTICES, max_faces: limits::MAX_FACES }
+        Self {
+            max_sessions: limits::MAX_SESSIONS,
+            max_sessions_per_client: limits::MAX_SESSIONS,
+            max_vertices: limits::MAX_VERTICES,
+            max_faces: limits::MAX_FACES,
+            max_session_memory_mb: MAX_MEMORY_MB,
+        }
     }
 }
 

@@ -1,19 +1,20 @@
 //! The layers of the configuration. Later layers win: defaults, configuration file, environment, flags.
 
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+};
 
 use clap::Args;
-use figment::{
-    Error, Figment, Metadata, Profile, Provider,
-    providers::{Env, Serialized},
-    value::{Dict, Map},
-};
+use toml::{Table, Value};
 use untangled_proto::limits;
 
 use super::{
+    environment::Environment,
     error::ConfigError,
-    keys::{Config, Limits},
+    keys::{Config, Limits, MAX_MEMORY_MB},
 };
+use crate::overlay;
 
 /// Most workers; a larger number is taken for a mistake.
 const MAX_WORKERS: usize = 256;
@@ -32,71 +33,67 @@ pub struct ConfigFlags {
     pub quality: Option<String>,
 }
 
-/// A configuration file as a layer. Read by the same crate that prints the configuration; figment's own reader would
-/// bring another version of it, and take a missing file for an empty layer.
-struct TomlFile {
-    path: PathBuf,
-    keys: toml::Table,
-}
-
-impl TomlFile {
-    fn read(path: &Path) -> Result<Self, ConfigError> {
-        let path = path.to_owned();
-        match std::fs::read_to_string(&path) {
-            Ok(text) => match text.parse() {
-                Ok(keys) => Ok(Self { path, keys }),
-                Err(source) => Err(ConfigError::Toml { path, source: Box::new(source) }),
-            },
-            Err(source) => Err(ConfigError::File { path, source }),
-        }
-    }
-}
-
-impl Provider for TomlFile {
-    fn metadata(&self) -> Metadata {
-        Metadata::named(self.path.display().to_string())
-    }
-
-    fn data(&self) -> Result<Map<Profile, Dict>, Error> {
-        Serialized::defaults(&self.keys).data()
-    }
-}
+/// A value that was chosen: the layer, the key and the value.
+type Choice = (String, String, Value);
 
 impl Config {
-    /// The effective configuration of this process.
+    /// The effective configuration of this process, and warnings about variables that have no effect.
     ///
     /// # Errors
     /// [`ConfigError`], naming the key and where its value came from.
-    pub fn load(args: &ConfigFlags) -> Result<Self, ConfigError> {
-        let mut layers = Figment::new();
-        if let Some(path) = &args.config {
-            layers = layers.merge(TomlFile::read(path)?);
+    pub fn load(flags: &ConfigFlags) -> Result<(Self, Vec<String>), ConfigError> {
+        Self::load_with(flags, std::env::vars_os())
+    }
+
+    /// As [`load`](Self::load), with an environment of its own.
+    pub(super) fn load_with(
+        flags: &ConfigFlags,
+        variables: impl Iterator<Item = (OsString, OsString)>,
+    ) -> Result<(Self, Vec<String>), ConfigError> {
+        let mut choices = Vec::new();
+        if let Some(path) = &flags.config {
+            flatten(&read_file(path)?, &path.display().to_string(), "", &mut choices);
         }
-        // UNTANGLED_SETTINGS__PATH_RINGS=3 is settings.path_rings.
-        layers = layers.merge(Env::prefixed("UNTANGLED_").split("__"));
-        if let Some(domain) = &args.domain {
-            layers = layers.merge(Serialized::default("domain", domain));
-        }
-        if let Some(quality) = &args.quality {
-            layers = layers.merge(Serialized::default("quality", quality));
+        let defaults = Table::try_from(Self::default())?;
+        let environment = Environment::read(variables, &defaults)?;
+        let variables = environment.values.into_iter();
+        choices.extend(variables.map(|(variable, key, value)| (variable, key.to_owned(), value)));
+        for (key, value) in [("domain", &flags.domain), ("quality", &flags.quality)] {
+            let chosen = value.iter().map(|value| (format!("--{key}"), key.to_owned(), Value::from(value.as_str())));
+            choices.extend(chosen);
         }
         // Values that were chosen override those of the quality, which override the defaults.
-        let mut defaults = Self::default();
-        if layers.contains("quality") {
-            defaults.quality = layers.extract_inner("quality").map_err(Box::new)?;
-            defaults.quality.apply(&mut defaults.settings);
+        let (qualities, others): (Vec<Choice>, Vec<Choice>) =
+            choices.into_iter().partition(|(_, key, _)| key == "quality");
+        let mut config = Self::default();
+        let quality_is_chosen = !qualities.is_empty();
+        for choice in qualities {
+            config = config.with(choice)?;
         }
-        let config: Self = Figment::from(Serialized::defaults(defaults)).merge(layers).extract().map_err(Box::new)?;
+        if quality_is_chosen {
+            config.quality.apply(&mut config.settings);
+        }
+        for choice in others {
+            config = config.with(choice)?;
+        }
         config.validate()?;
-        Ok(config)
+        Ok((config, environment.warnings))
+    }
+
+    fn with(&self, (layer, key, value): Choice) -> Result<Self, ConfigError> {
+        let path: Vec<&str> = key.split('.').collect();
+        overlay::replace(self, &path, value).map_err(|reason| ConfigError::Value { layer, key: key.clone(), reason })
     }
 
     /// Checks all values against their ranges.
     fn validate(&self) -> Result<(), ConfigError> {
         self.settings.validate()?;
-        let Limits { max_sessions, max_vertices, max_faces } = self.limits;
+        let Limits { max_sessions, max_sessions_per_client, max_vertices, max_faces, max_session_memory_mb } =
+            self.limits;
         for (name, value, limit) in [
             ("limits.max_sessions", max_sessions, limits::MAX_SESSIONS),
+            ("limits.max_sessions_per_client", max_sessions_per_client, limits::MAX_SESSIONS),
+            ("limits.max_session_memory_mb", max_session_memory_mb, MAX_MEMORY_MB),
             ("limits.max_vertices", max_vertices, limits::MAX_VERTICES),
             ("limits.max_faces", max_faces, limits::MAX_FACES),
         ] {
@@ -104,11 +101,35 @@ impl Config {
                 return Err(ConfigError::Limit { name, value, limit });
             }
         }
-        if !(0..=MAX_WORKERS).contains(&self.num_workers) {
-            let (name, value) = ("num_workers", self.num_workers);
-            return Err(ConfigError::Limit { name, value, limit: MAX_WORKERS });
+        if self.num_workers > MAX_WORKERS {
+            return Err(ConfigError::Workers { value: self.num_workers, limit: MAX_WORKERS });
         }
         self.metrics()?;
         Ok(())
+    }
+}
+
+/// A configuration file as a layer, with errors that say the line.
+fn read_file(path: &Path) -> Result<Table, ConfigError> {
+    let path = path.to_owned();
+    let text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(source) => return Err(ConfigError::File { path, source }),
+    };
+    let read = toml::from_str::<Config>(&text).and_then(|_| toml::from_str(&text));
+    read.map_err(|error: toml::de::Error| {
+        let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+        ConfigError::Toml { path, line, reason: overlay::in_words(error.message()) }
+    })
+}
+
+/// Adds all values of a table to those that were chosen, each with the path of its name.
+fn flatten(table: &Table, layer: &str, prefix: &str, choices: &mut Vec<Choice>) {
+    for (name, value) in table {
+        let key = format!("{prefix}{name}");
+        match value {
+            Value::Table(section) => flatten(section, layer, &format!("{key}."), choices),
+            value => choices.push((layer.to_owned(), key, value.clone())),
+        }
     }
 }

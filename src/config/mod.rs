@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `error` | why a configuration can't be used |
 //! | `keys` | the keys, their defaults and their types |
+//! | `environment` | variables as values of keys |
 //! | `layers` | from files, environment and flags to the effective configuration |
 //! | `explanations`, `print` | the configuration as text, each key explained |
 
+mod environment;
 mod error;
 mod explanations;
 mod keys;

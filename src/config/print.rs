@@ -4,7 +4,7 @@ use untangle::settings::Settings;
 
 use super::{
     error::ConfigError,
-    explanations::{DEADLINE, EXPLANATIONS, THICKNESS},
+    explanations::{DEADLINE, EXPLANATIONS, FACE_PAIRS, TESTED_PAIRS, THICKNESS},
     keys::Config,
 };
 
@@ -32,9 +32,11 @@ impl Config {
             out.push('\n');
             out.push_str(line);
         }
-        let Settings { thickness_m, deadline_us, .. } = &self.settings;
+        let Settings { thickness_m, max_face_pairs, max_tested_pairs, deadline_us, .. } = &self.settings;
         for (is_set, explanation, example) in [
             (thickness_m.is_some(), THICKNESS, "thickness_m = 0.001"),
+            (max_face_pairs.is_some(), FACE_PAIRS, "max_face_pairs = 1000000"),
+            (max_tested_pairs.is_some(), TESTED_PAIRS, "max_tested_pairs = 100000000"),
             (deadline_us.is_some(), DEADLINE, "deadline_us = 8000"),
         ] {
             if !is_set {

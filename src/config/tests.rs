@@ -1,11 +1,17 @@
-use untangle::settings::Settings;
+use untangle::settings::{Quality, Settings};
 
-use super::{Config, ConfigError, Telemetry};
+use super::{Config, ConfigError, ConfigFlags, Telemetry};
 
 #[test]
 fn explained_of_any_config_explains_every_key_and_reads_back() {
     let config = Config {
-        settings: Settings { thickness_m: Some(0.002), deadline_us: Some(1), ..Settings::default() },
+        settings: Settings {
+            thickness_m: Some(0.002),
+            max_face_pairs: Some(1),
+            max_tested_pairs: Some(1),
+            deadline_us: Some(1),
+            ..Settings::default()
+        },
         ..Config::default()
     };
     let text = config.explained().unwrap();
@@ -17,7 +23,11 @@ fn explained_of_any_config_explains_every_key_and_reads_back() {
         }
     }
     let text = Config::default().explained().unwrap();
-    assert!(text.contains("\n# thickness_m = ") && text.contains("\n# deadline_us = "));
+    assert!(
+        ["thickness_m", "max_face_pairs", "max_tested_pairs", "deadline_us"]
+            .iter()
+            .all(|key| { text.contains(&format!("\n# {key} = ")) })
+    );
     assert_eq!(toml::from_str::<Config>(&text).unwrap(), Config::default());
 }
 
@@ -32,4 +42,59 @@ fn metrics_of_another_than_a_loopback_address_is_an_error() {
     for bad in ["0.0.0.0:9464", "192.168.0.1:80", "localhost", "9464"] {
         assert!(matches!(metrics(bad), Err(ConfigError::Metrics { .. })), "{bad}");
     }
+}
+
+fn load(variables: &[(&str, &str)], file: Option<&str>) -> Result<(Config, Vec<String>), ConfigError> {
+    let path = std::env::temp_dir().join(format!("config-{}-{:p}.toml", std::process::id(), &variables));
+    let config = file.map(|text| {
+        std::fs::write(&path, text).unwrap();
+        path.clone()
+    });
+    let flags = ConfigFlags { config, quality: Some("fast".to_owned()), ..ConfigFlags::default() };
+    let loaded = Config::load_with(&flags, variables.iter().map(|(name, value)| (name.into(), value.into())));
+    let _ = std::fs::remove_file(path);
+    loaded
+}
+
+#[test]
+fn load_takes_later_layers_over_earlier_ones_and_values_over_their_quality() {
+    let file = "num_workers = 3\n[settings]\npath_rings = 4\nmax_centres = 77\nmax_step_edge_lengths = inf\n";
+    let variables = [("UNTANGLED_SETTINGS__PATH_RINGS", "5"), ("UNTANGLED_DOMAIN", ""), ("PATH", "/bin")];
+    let (config, warnings) = load(&variables, Some(file)).unwrap();
+    let mut expected = Config { num_workers: 3, quality: Quality::Fast, ..Config::default() };
+    Quality::Fast.apply(&mut expected.settings);
+    expected.settings.path_rings = 5;
+    expected.settings.max_centres = 77;
+    expected.settings.max_step_edge_lengths = f64::INFINITY;
+    assert_eq!((config, warnings), (expected, vec![]));
+    let (config, _) = load(&[("UNTANGLED_DOMAIN", "123"), ("UNTANGLED_SETTINGS__WINDING", "true")], None).unwrap();
+    assert_eq!((config.domain.as_str(), config.settings.winding), ("123", true));
+}
+
+#[test]
+fn load_names_the_place_of_a_wrong_value_and_no_type_of_ours() {
+    for (variables, file, words) in [
+        (&[("UNTANGLED_NUM_WORKERS", "many")][..], None, "UNTANGLED_NUM_WORKERS: num_workers: "),
+        (&[("UNTANGLED_SETTINGS__RESPONSE", "fast")], None, "UNTANGLED_SETTINGS__RESPONSE: settings.response: "),
+        (&[], Some("domain = \"a\"\n[settings]\npath_rings = \"x\"\n"), ".toml:3: "),
+        (&[], Some("domain = \"a\"\n[settings]\npath_ring = 3\n"), ".toml:3: "),
+        (&[], Some("domain = \n"), ".toml:1: "),
+    ] {
+        let error = load(variables, file).unwrap_err().to_string();
+        assert!(error.contains(words) && !error.contains('\n'), "{error}");
+        for internal in ["usize", "u32", "src/", "Map<"] {
+            assert!(!error.contains(internal), "{error}");
+        }
+    }
+}
+
+#[test]
+fn load_warns_of_unknown_variables_with_the_nearest_key() {
+    let (_, warnings) = load(&[("UNTANGLED_TELEMETRY__FORMATS", "json"), ("UNTANGLED_HOME", "x")], None).unwrap();
+    assert_eq!(warnings.len(), 2);
+    assert!(
+        warnings[1].contains("UNTANGLED_TELEMETRY__FORMATS") && warnings[1].contains("did you mean"),
+        "{warnings:?}"
+    );
+    assert!(warnings[0].contains("UNTANGLED_HOME") && warnings[0].contains("untangled config"), "{warnings:?}");
 }

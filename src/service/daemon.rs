@@ -50,6 +50,12 @@ impl Shutdown {
         self.0.store(true, Ordering::Relaxed);
     }
 
+    /// What [`request`](Self::request) sets: for handlers of signals, which may do no more.
+    #[must_use]
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+
     fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -73,6 +79,7 @@ pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) ->
     // All ports, services and the node are gone by now.
     lock.withdraw()?;
     lock.wipe_if_unused()?;
+    lock.remove()?;
     result
 }
 
@@ -131,7 +138,7 @@ impl Daemon {
         let cleanup = Cleanup::start(options.domain.clone())?;
         let node = create_node(&options.domain)?;
         memory::close_to_others(&options.domain)
-            .map_err(|source| ServeError::System { what: "closing shared memory to other users", source })?;
+            .map_err(|source| ServeError::System { what: "closing shared memory to other users".to_owned(), source })?;
         // A daemon that was killed still counts as a server until its node is cleaned up.
         node::clean_up_dead(&node);
         let event = services::create_shared_event(&node, names::CONTROL)
@@ -140,7 +147,7 @@ impl Daemon {
             event.listener_builder().create().map_err(|error| ServeError::transport("creating a listener", &error))?;
         let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone()));
         let pool = Pool::start(options.num_workers())
-            .map_err(|source| ServeError::System { what: "starting a worker", source })?;
+            .map_err(|source| ServeError::System { what: "starting a worker".to_owned(), source })?;
         let metrics = options.metrics.map(|address| MetricsServer::start(address, Arc::clone(&registry)));
         let metrics = metrics.transpose()?;
         // The server comes last: clients that see it find everything else in place.
@@ -165,6 +172,7 @@ impl Daemon {
             wait = if is_woken { FIRST_WAIT } else { (WAIT_GROWTH * wait).clamp(FIRST_WAIT, LONGEST_WAIT) };
             if is_time {
                 dead_nodes.clean_up(&self.node);
+                self.registry.end_abandoned();
             }
             self.hand_out_work();
         }

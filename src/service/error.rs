@@ -17,17 +17,23 @@ pub enum ServeError {
     #[error("{what}: {source}")]
     System {
         /// What was tried.
-        what: &'static str,
+        what: String,
         /// What the system says.
         source: std::io::Error,
     },
     /// The transport failed.
-    #[error("{what}: {reason}")]
+    #[error("{what} failed: iceoryx2 reports {reason}")]
     Transport {
         /// What was tried.
         what: &'static str,
         /// What iceoryx2 says.
         reason: String,
+    },
+    /// There is no shared memory left.
+    #[error("{what} failed: /dev/shm is full")]
+    NoRoom {
+        /// What was tried.
+        what: &'static str,
     },
 }
 

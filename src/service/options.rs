@@ -13,10 +13,14 @@ pub struct ServeOptions {
     pub domain: Domain,
     /// Most sessions at a time, at most [`limits::MAX_SESSIONS`].
     pub max_sessions: usize,
+    /// Most sessions of one client, which is one process, at a time.
+    pub max_sessions_per_client: usize,
     /// Most vertices of a session.
     pub max_vertices: usize,
     /// Most faces of a session.
     pub max_faces: usize,
+    /// Most memory of a session in bytes, as [estimated](super::session::memory_bytes) at its registration.
+    pub max_session_memory_bytes: u64,
     /// Threads that work on frames, at least 2; 0 for as many as there are processors.
     pub num_workers: usize,
     /// Where to serve metrics as Prometheus text over HTTP, if at all. Every user who can connect can read them:
@@ -33,8 +37,10 @@ impl ServeOptions {
         Self {
             domain,
             max_sessions: limits::MAX_SESSIONS,
+            max_sessions_per_client: limits::MAX_SESSIONS,
             max_vertices: limits::MAX_VERTICES,
             max_faces: limits::MAX_FACES,
+            max_session_memory_bytes: u64::MAX,
             num_workers: 0,
             metrics: None,
             settings: Settings::default(),

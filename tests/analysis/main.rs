@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod invariance;
+mod limits;
 mod oracle;
 mod paths;
 mod regions;

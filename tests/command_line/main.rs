@@ -2,11 +2,11 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod check;
-mod check_formats;
 mod demo;
 mod fix;
 mod fix_files;
 mod fix_inputs;
 mod manual;
 mod mesh_folder;
+mod strangers;
 mod weld;

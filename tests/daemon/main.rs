@@ -4,9 +4,9 @@
 mod faults;
 mod fuzz;
 mod machine;
+mod operating;
 mod protocol_v1;
 mod refusals;
 mod restarts;
 mod sessions;
 mod timing;
-mod watching;

@@ -8,8 +8,8 @@ use untangled_client::{
     WaitError,
 };
 use untangled_proto::{
-    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PositionF32, RegisterParams, ReplyHeader, RequestHeader,
-    RequestKind, StateHeader,
+    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PayloadLayout, PositionF32, RegisterParams, ReplyHeader,
+    RequestHeader, RequestKind, StateHeader,
     control::Hello,
     names,
     sections::{SectionWriter, id},
@@ -44,7 +44,7 @@ fn client_given_a_reply_to_another_request_ignores_it() {
     let _requests = services::create_shared_event(&node, names::CONTROL).unwrap();
     let replies = services::create_shared_event(&node, names::REPLY).unwrap();
     let notifier = replies.notifier_builder().create().unwrap();
-    let control = services::create_control(&node).unwrap();
+    let control = services::create_requests(&node, PayloadLayout::Packed).unwrap();
     let server = control.server_builder().initial_max_slice_len(4096).create().unwrap();
     lock.announce().unwrap();
     let options = domain.options();

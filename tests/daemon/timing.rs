@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde_json::json;
-use untangled_client::{Registration, flags};
+use untangled_client::{FrameRefusal, NewestError, Registration, Session, Status, flags};
 use untangled_proto::correction::TRUNCATED;
 use untangled_testkit::process::{Daemon, PATIENCE, STEP, TestDomain, fill_flat, sheet};
 
@@ -85,6 +85,64 @@ fn frame_beyond_its_deadline_ends_and_reports_left_out_pairs() {
     }
     let status = client.status().unwrap();
     assert_eq!(status["sessions"][0]["num_truncated_frames"], 2);
+}
+
+/// Every triangle as large as the scene.
+fn fill_exploded(positions: &mut [[f32; 3]]) {
+    let mut state = 7u32;
+    for coordinate in positions.iter_mut().flatten() {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *coordinate = f32::from(u16::try_from(state >> 16).unwrap());
+    }
+}
+
+/// The refusal of one frame, while another session gets its corrections.
+fn refusal(session: &mut Session, other: &mut Session, fill: fn(&mut [[f32; 3]])) -> FrameRefusal {
+    let frame = session.publish(STEP, fill).unwrap();
+    let mut num_others = 0;
+    loop {
+        other.exchange(STEP, PATIENCE, fill_flat).unwrap();
+        num_others += 1;
+        match session.newest() {
+            Ok(None) => {}
+            Ok(Some(_)) => panic!("frame {frame} was answered as any other"),
+            Err(NewestError::Refused(refusal)) => {
+                assert!(num_others > 0 && refusal.frame == frame);
+                return refusal;
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
+#[test]
+fn frame_in_which_everything_meets_ends_truncated_while_others_are_served() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let mut other = domain.connect().register(sheet(10)).unwrap();
+    let mut session = client.register(sheet(60)).unwrap();
+    let fill_zero = |positions: &mut [[f32; 3]]| positions.fill([0.0; 3]);
+    for fill in [fill_exploded, fill_zero] {
+        let refusal = refusal(&mut session, &mut other, fill);
+        assert_eq!((refusal.status, refusal.fault_value), (Status::TooManyIntersections, 131_072.0));
+        assert!(refusal.to_string().contains("more faces intersect than the limit allows, 131072 pairs"));
+    }
+    session.update_settings(json!({"deadline_us": 8000, "max_face_pairs": 1_000_000_000_000u64}), PATIENCE).unwrap();
+    for fill in [fill_exploded, fill_zero] {
+        let begin = Instant::now();
+        let refusal = refusal(&mut session, &mut other, fill);
+        assert_eq!((refusal.status, refusal.fault_value), (Status::OutOfTime, 8000.0));
+        // On a machine that does many things at a time, and with code that is hardly optimised.
+        assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+    }
+    session.update_settings(json!({}), PATIENCE).unwrap();
+    let correction = session.exchange(STEP, PATIENCE, fill_flat).unwrap();
+    assert_eq!((correction.header().status, correction.header().flags), (0, 0));
+    let status = client.status().unwrap();
+    let counts =
+        |key: &str| status["sessions"].as_array().unwrap().iter().map(|s| s[key].as_u64().unwrap()).sum::<u64>();
+    assert_eq!((counts("num_truncated_frames"), counts("num_refused_frames")), (4, 0));
 }
 
 #[test]

@@ -3,17 +3,19 @@
 use std::time::Duration;
 
 use thiserror::Error;
-use untangled_proto::Status;
-use untangled_transport::DomainError;
+use untangled_proto::{Precision, Status};
+use untangled_transport::{Domain, DomainError, search};
 
 /// Why a request to the daemon failed.
 #[derive(Clone, Debug, Error)]
 pub enum RequestError {
     /// No daemon serves the domain.
-    #[error("no untangled daemon serves domain `{domain}`")]
+    #[error("no untangled daemon serves domain `{domain}` {searched}")]
     NoDaemon {
         /// The domain.
         domain: String,
+        /// Where it was looked for, and where else daemons of this user serve, in words.
+        searched: String,
     },
     /// The daemon did not answer in time.
     #[error("the untangled daemon of domain `{domain}` did not answer within {waited:?}")]
@@ -24,7 +26,7 @@ pub enum RequestError {
         waited: Duration,
     },
     /// The daemon refused.
-    #[error("the untangled daemon refused ({status:?}): {message}")]
+    #[error("the untangled daemon refused ({}): {message}", status.words())]
     Refused {
         /// The reason as a code.
         status: Status,
@@ -40,7 +42,7 @@ pub enum RequestError {
         free: u64,
     },
     /// The transport failed.
-    #[error("{what}: {reason}")]
+    #[error("{what} failed: iceoryx2 reports {reason}")]
     Transport {
         /// What was tried.
         what: &'static str,
@@ -50,6 +52,10 @@ pub enum RequestError {
 }
 
 impl RequestError {
+    pub(crate) fn no_daemon(domain: &Domain) -> Self {
+        Self::NoDaemon { domain: domain.name().to_owned(), searched: search::explain(domain) }
+    }
+
     pub(crate) fn transport(what: &'static str, reason: &impl std::fmt::Debug) -> Self {
         Self::Transport { what, reason: format!("{reason:?}") }
     }
@@ -108,16 +114,16 @@ pub enum PublishError {
     #[error(transparent)]
     Request(#[from] RequestError),
     /// The session was registered with the other precision.
-    #[error("the session was registered with precision {registered:?}")]
+    #[error("the session was registered with positions in {} precision", precision_in_words(*registered))]
     Precision {
         /// The session's precision.
-        registered: untangled_proto::Precision,
+        registered: Precision,
     },
 }
 
-/// A frame that the daemon could not use. The session lives on.
+/// A frame that the daemon could not use, or did not finish. The session lives on.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("frame {frame} was refused ({status:?}): vertex {fault_index:?}, value {fault_value}")]
+#[error("frame {frame} was {}", self.in_words())]
 pub struct FrameRefusal {
     /// The frame.
     pub frame: u64,
@@ -127,6 +133,51 @@ pub struct FrameRefusal {
     pub fault_index: Option<u64>,
     /// The value at fault.
     pub fault_value: f64,
+    /// The field of the header at fault, if one is: `dt_s`, `simulated_s` or `num_vertices`.
+    pub header_field: Option<&'static str>,
+}
+
+fn precision_in_words(precision: Precision) -> &'static str {
+    match precision {
+        Precision::F32 => "single",
+        Precision::F64 => "double",
+    }
+}
+
+impl FrameRefusal {
+    /// What happened to the frame, and why.
+    fn in_words(&self) -> String {
+        let value = self.fault_value;
+        match self.status {
+            Status::TooManyIntersections => {
+                format!("not analysed: more faces intersect than the limit allows, {value} pairs")
+            }
+            Status::OutOfTime => {
+                format!("not analysed: its {value} us were up before its intersections were found")
+            }
+            _ => format!("refused: {}", self.fault_in_words()),
+        }
+    }
+
+    /// What is wrong with the frame.
+    fn fault_in_words(&self) -> String {
+        let value = self.fault_value;
+        match (self.status, self.fault_index) {
+            (Status::BadPosition, Some(vertex)) => {
+                format!(
+                    "vertex {vertex} (counted from 0) has coordinate {value}; coordinates must be finite and at most \
+                     2^250"
+                )
+            }
+            (Status::BadHeader, _) => match self.header_field {
+                Some("dt_s") => format!("the step dt_s is {value}; it must be from 1e-9 to 1e9 s"),
+                Some("simulated_s") => format!("the time simulated_s is {value}; it must be finite"),
+                _ => format!("it has {value} positions; there must be as many as registered"),
+            },
+            (Status::Internal, _) => "a defect of the daemon; its log says more, and the session goes on".to_owned(),
+            (status, _) => status.words().to_owned(),
+        }
+    }
 }
 
 /// Why a correction did not come.
@@ -158,7 +209,7 @@ pub enum WaitError {
     #[error(transparent)]
     Refused(#[from] FrameRefusal),
     /// The transport failed; most likely too many corrections are held.
-    #[error("receiving a correction: {reason}")]
+    #[error("receiving a correction failed, most likely since too many are held: iceoryx2 reports {reason}")]
     Receive {
         /// The error of iceoryx2.
         reason: String,
@@ -172,7 +223,7 @@ pub enum NewestError {
     #[error(transparent)]
     Refused(#[from] FrameRefusal),
     /// The transport failed; most likely too many corrections are held.
-    #[error("receiving a correction: {reason}")]
+    #[error("receiving a correction failed, most likely since too many are held: iceoryx2 reports {reason}")]
     Receive {
         /// The error of iceoryx2.
         reason: String,

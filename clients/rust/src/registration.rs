@@ -1,6 +1,9 @@
 //! A registration: what a host tells the daemon about its cloth, once.
 
-use untangled_proto::{CorrectionKind, Precision, RegisterParams, limits, sections::SectionWriter, sections::id};
+use untangled_proto::{
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, memory,
+    sections::{SectionWriter, id},
+};
 
 /// A cloth and what is asked for. Only `num_vertices` and `triangles` are required.
 #[derive(Clone, Debug, Default)]
@@ -71,8 +74,8 @@ impl Registration {
     }
 
     /// Shared memory that the host's side of the session takes.
-    pub(crate) fn state_segment_bytes(&self) -> u64 {
-        limits::state_segment_bytes(self.num_vertices, self.precision)
+    pub(crate) fn state_segment_bytes(&self, layout: PayloadLayout) -> u64 {
+        memory::state_segment_bytes(self.num_vertices, self.precision, layout)
     }
 }
 

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::printable::Printable;
+
 /// A file that can't be read as a mesh, and where in it.
 #[derive(Debug, Error)]
-#[error("{}{}: {kind}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
+#[error("{}{}: {kind}", Printable(path.display()), line.map_or(String::new(), |line| format!(":{line}")))]
 pub struct ReadError {
     /// The file, as its caller named it.
     pub path: PathBuf,
@@ -97,9 +99,25 @@ pub enum ReadErrorKind {
     /// A header or document that breaks the rules of its format.
     #[error("{0}")]
     Malformed(String),
-    /// A glTF document that its parser refuses.
+    /// What should be a glTF document and is none.
     #[error("not a valid glTF document: {0}")]
-    Gltf(#[from] ::gltf::Error),
+    Gltf(String),
+    /// A glTF document that cannot be read without an extension.
+    #[error("needs the glTF extension {name}: {reason}")]
+    Extension {
+        /// Its name.
+        name: String,
+        /// Why that matters, and what to do.
+        reason: String,
+    },
+    /// A glTF document that asks for more than its bytes could hold.
+    #[error("asks for more mesh than its {num_bytes} bytes may: {factor} bytes of mesh for each byte of the file")]
+    Amplified {
+        /// Bytes of the file and of its buffers.
+        num_bytes: usize,
+        /// How many bytes of mesh each of them may ask for.
+        factor: usize,
+    },
 }
 
 /// Why a file was not written.
@@ -130,8 +148,11 @@ pub enum WriteError {
         /// Why.
         reason: String,
     },
+    /// A file that was read back is not what was meant to be written.
+    #[error("what was written does not read back as it was meant: {0}")]
+    ReadBack(String),
     /// A line of an OBJ has indices of unknown meaning, which can't be shifted.
-    #[error("{}:{line}: `{keyword}` can't be joined to other files", path.display())]
+    #[error("{}:{line}: `{keyword}` can't be joined to other files", Printable(path.display()))]
     Join {
         /// The file.
         path: PathBuf,

@@ -5,7 +5,8 @@
 //! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
 //!   other positions, it differs from the file that was read in the coordinates that changed and in no other byte; in
 //!   glTF also in the bounds of positions and in links to buffers that changed.
-//! - Input is not trusted: a header that lies about its lengths costs an error, not memory.
+//! - Input is not trusted: a header that lies about its lengths costs an error, not memory. A glTF document may ask for
+//!   64 bytes of mesh for each of its own, and reads files of its own folder only.
 //!
 //! ```
 //! use untangled_mesh_io::{concatenate, read_mesh};

@@ -52,7 +52,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
     let (data, document) = match format {
         FileFormat::Obj => obj::parse(bytes).map(|(data, document)| (data, Document::Obj(document))),
         FileFormat::Ply => ply::parse(bytes).map(|(data, document)| (data, Document::Ply(document))),
-        FileFormat::Gltf => gltf::parse(bytes, path.parent())
+        FileFormat::Gltf => gltf::parse(bytes, path.parent().unwrap_or_else(|| Path::new("")))
             .map(|(data, document)| (data, Document::Gltf(document)))
             .map_err(|kind| (None, kind)),
     }
@@ -189,9 +189,7 @@ impl MeshFile {
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
         match &self.document {
             Document::Obj(_) => Vec::new(),
-            Document::Ply(document) => {
-                document.fixed().map(|reason| (0..self.data.positions.len(), reason)).into_iter().collect()
-            }
+            Document::Ply(document) => document.fixed_vertices().collect(),
             Document::Gltf(document) => document.fixed_vertices().collect(),
         }
     }
@@ -244,6 +242,15 @@ impl MeshFile {
             Document::Obj(document) => Ok(document.write(before, positions, out)?),
             Document::Ply(document) => document.write(before, positions, out),
             Document::Gltf(document) => document.write(before, positions, destination, out),
+        }
+    }
+
+    /// The positions that reading the file gives, once it was written with these.
+    pub(crate) fn stored_positions(&self, positions: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
+        match &self.document {
+            Document::Obj(_) => Ok(positions.to_vec()),
+            Document::Ply(document) => document.stored(self.positions(), positions),
+            Document::Gltf(document) => document.stored_positions(self.positions(), positions),
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use untangle::{frame::Frame, mesh::Mesh, settings::Settings};
 use untangled::service::{ServeOptions, requests, session::ingest};
-use untangled_proto::{PositionF32, PositionF64, StateHeader, sections::Sections};
+use untangled_proto::{PayloadLayout, PositionF32, PositionF64, StateHeader, sections::Sections};
 
 /// A registration as the daemon reads it.
 ///
@@ -16,7 +16,8 @@ pub fn read_registration(
     options: &ServeOptions,
 ) -> Result<(Arc<Mesh>, Settings), String> {
     let sections = parse(payload, num_sections)?;
-    let registered = requests::registration::read(&sections, options, 0).map_err(|refusal| refusal.message)?;
+    let registered = requests::registration::read(&sections, options, PayloadLayout::Packed, 0)
+        .map_err(|refusal| refusal.message)?;
     Ok((registered.mesh, registered.settings))
 }
 

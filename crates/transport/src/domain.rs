@@ -4,17 +4,17 @@
 //! variable is not set; its shared memory has the prefix `untangled-UID-HASH-`, where HASH stands for the root folder.
 //! Different names never meet.
 
-use std::{
-    fs::Permissions,
-    os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt},
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::{Config, FileName, SemanticString};
 use thiserror::Error;
 
+use crate::folders::{self, FolderError};
+
 /// Environment variable with the name of the domain, where none is given.
 pub const DOMAIN_VARIABLE: &str = "UNTANGLED_DOMAIN";
+/// The name of the folder of all domains below `XDG_RUNTIME_DIR`.
+pub(crate) const FOLDER_NAME: &str = "untangled";
 /// The domain where none is chosen.
 pub const DEFAULT_DOMAIN: &str = "default";
 /// Longest name of a domain in bytes.
@@ -49,25 +49,14 @@ pub enum DomainError {
         /// The path.
         path: PathBuf,
     },
-    /// A folder could not be made or looked at.
-    #[error("folder {path}: {source}")]
-    Folder {
-        /// The folder.
+    /// A folder can't be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// `XDG_RUNTIME_DIR` would mean another folder to each process.
+    #[error("XDG_RUNTIME_DIR is `{path}`; it must be an absolute path, the same for the daemon and its clients")]
+    Relative {
+        /// The path.
         path: PathBuf,
-        /// The error of the system.
-        source: std::io::Error,
-    },
-    /// The folder belongs to another user, or other users may write to it.
-    #[error("folder {path} must belong to user {uid} and be closed to others (it belongs to {owner}, mode {mode:o})")]
-    Foreign {
-        /// The folder.
-        path: PathBuf,
-        /// This user.
-        uid: u32,
-        /// Its owner.
-        owner: u32,
-        /// Its permissions.
-        mode: u32,
     },
 }
 
@@ -83,7 +72,7 @@ impl Domain {
     /// The domain of this name, or of [`DOMAIN_VARIABLE`], or [`DEFAULT_DOMAIN`].
     ///
     /// # Errors
-    /// [`DomainError::Name`] and [`DomainError::RootTooLong`].
+    /// [`DomainError::Name`], [`DomainError::Relative`] and [`DomainError::RootTooLong`].
     pub fn locate(name: Option<&str>) -> Result<Self, DomainError> {
         let variable = std::env::var(DOMAIN_VARIABLE).ok().filter(|name| !name.is_empty());
         let name = name.or(variable.as_deref()).unwrap_or(DEFAULT_DOMAIN);
@@ -94,15 +83,16 @@ impl Domain {
     /// The domain of this name for a user.
     ///
     /// # Errors
-    /// [`DomainError::Name`] and [`DomainError::RootTooLong`].
+    /// [`DomainError::Name`], [`DomainError::Relative`] and [`DomainError::RootTooLong`].
     pub fn new(name: &str, runtime_folder: Option<&Path>, uid: u32) -> Result<Self, DomainError> {
         let good = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
         if name.is_empty() || name.len() > MAX_NAME_BYTES || !name.bytes().all(good) {
             return Err(DomainError::Name { name: name.to_owned() });
         }
         let base = match runtime_folder {
-            Some(folder) => folder.join("untangled"),
-            None => PathBuf::from(format!("/tmp/untangled-{uid}")),
+            Some(folder) if folder.is_relative() => return Err(DomainError::Relative { path: folder.to_owned() }),
+            Some(folder) => folder.join(FOLDER_NAME),
+            None => folder_without_variable(uid),
         };
         let root = base.join(name);
         let length = root.as_os_str().len();
@@ -131,7 +121,13 @@ impl Domain {
         &self.prefix
     }
 
-    /// The file that a daemon locks while it serves; it stays when the daemon ends.
+    /// The folder of all domains.
+    #[must_use]
+    pub fn base(&self) -> &Path {
+        self.root.parent().unwrap_or(&self.root)
+    }
+
+    /// The file that a daemon locks while it serves.
     #[must_use]
     pub fn lock_path(&self) -> PathBuf {
         self.root.with_extension("lock")
@@ -140,42 +136,33 @@ impl Domain {
     /// Whether a daemon has said that clients may come.
     #[must_use]
     pub fn is_announced(&self) -> bool {
-        std::fs::metadata(self.lock_path()).is_ok_and(|metadata| metadata.len() > 0)
+        std::fs::symlink_metadata(self.lock_path()).is_ok_and(|metadata| metadata.is_file() && metadata.len() > 0)
     }
 
-    /// Creates the folder of all domains where it is missing.
+    /// Creates the folder of all domains where it is missing, and checks that it belongs to this user alone.
     ///
     /// # Errors
     /// [`DomainError::Folder`].
     pub fn create_base_folder(&self) -> Result<(), DomainError> {
-        create_private(self.root.parent().unwrap_or(&self.root))
+        Ok(folders::create(self.base())?)
     }
 
     /// Creates the root folder where it is missing, and checks that it belongs to this user alone. For the daemon.
     ///
     /// # Errors
-    /// [`DomainError::Folder`] and [`DomainError::Foreign`].
+    /// [`DomainError::Folder`].
     pub fn create_folders(&self) -> Result<(), DomainError> {
         self.create_base_folder()?;
-        create_private(&self.root)?;
-        self.check_folders()
+        Ok(folders::create(&self.root)?)
     }
 
     /// Checks that the root folder exists and belongs to this user alone.
     ///
     /// # Errors
-    /// [`DomainError::Folder`] and [`DomainError::Foreign`].
+    /// [`DomainError::Folder`].
     pub fn check_folders(&self) -> Result<(), DomainError> {
-        let base = self.root.parent().unwrap_or(&self.root);
-        for path in [base, &self.root] {
-            let failed = |source| DomainError::Folder { path: path.to_owned(), source };
-            // Links are not followed: in a shared /tmp another user could have put one there.
-            let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
-            let (uid, owner, mode) = (rustix::process::getuid().as_raw(), metadata.uid(), metadata.mode() & 0o777);
-            if owner != uid || !metadata.is_dir() || mode & 0o022 != 0 {
-                return Err(DomainError::Foreign { path: path.to_owned(), uid, owner, mode });
-            }
-        }
+        folders::check(self.base())?;
+        folders::check(&self.root)?;
         Ok(())
     }
 
@@ -198,16 +185,9 @@ impl Domain {
     }
 }
 
-fn create_private(path: &Path) -> Result<(), DomainError> {
-    let failed = |source| DomainError::Folder { path: path.to_owned(), source };
-    std::fs::DirBuilder::new().recursive(true).mode(0o700).create(path).map_err(failed)?;
-    let metadata = std::fs::symlink_metadata(path).map_err(failed)?;
-    // iceoryx2 changes the umask of the process for a moment when it creates a listener; a child that is started at
-    // that moment inherits the changed umask.
-    if metadata.uid() == rustix::process::getuid().as_raw() && metadata.is_dir() && metadata.mode() & 0o700 != 0o700 {
-        std::fs::set_permissions(path, Permissions::from_mode(0o700)).map_err(failed)?;
-    }
-    Ok(())
+/// The folder of all domains where `XDG_RUNTIME_DIR` is not set.
+pub(crate) fn folder_without_variable(uid: u32) -> PathBuf {
+    PathBuf::from(format!("/tmp/untangled-{uid}"))
 }
 
 /// The 32-bit FNV-1a hash: short, and easy to write in any language.
@@ -217,6 +197,11 @@ fn fnv1a(bytes: &[u8]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use std::{
+        fs::Permissions,
+        os::unix::fs::{MetadataExt, PermissionsExt},
+    };
+
     use super::*;
 
     #[test]
@@ -245,6 +230,7 @@ mod tests {
         }
         let long = Path::new("/a/very/long/runtime/folder/that/nobody/would/ever/choose");
         assert!(matches!(Domain::new("test", Some(long), 7), Err(DomainError::RootTooLong { .. })));
+        assert!(matches!(Domain::new("test", Some(Path::new("run")), 7), Err(DomainError::Relative { .. })));
         assert_eq!(fnv1a(b"a"), 0xe40c_292c);
     }
 }

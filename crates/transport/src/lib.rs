@@ -5,16 +5,20 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`domain`] | names, root folder and prefix of a private corner of iceoryx2; who may use it |
+//! | [`folders`] | folders that no other user can have put there |
+//! | [`search`] | where else a daemon of this user serves |
 //! | [`lock`] | one daemon at a time in a domain; wipes a domain that no process uses |
 //! | [`services`] | creates and opens the iceoryx2 services |
 //! | [`memory`] | free space, committed pages, unfinished segments |
 //! | [`process_id`] | process ids in the names of files, to find resources of crashed peers |
 
 pub mod domain;
+pub mod folders;
 pub mod lock;
 pub mod memory;
 pub mod node;
 pub mod process_id;
+pub mod search;
 pub mod services;
 
 pub use domain::{Domain, DomainError};

@@ -1,7 +1,7 @@
 //! The iceoryx2 services and their quality of service. Both sides create and open them here, so that they agree.
 //!
-//! The daemon creates services, clients open them. Opening states no limits, so that a client takes those of the
-//! daemon.
+//! The daemon creates services, clients open them. Opening states no limits and no alignment, so that a client takes
+//! those of the daemon.
 
 use iceoryx2::{
     prelude::*,
@@ -15,18 +15,20 @@ use iceoryx2::{
     },
 };
 
-use untangled_proto::paths::PathsHeader;
 use untangled_proto::{
     control::{ReplyHeader, RequestHeader},
     correction::{CorrectionHeader, VertexCorrection},
-    limits, names,
+    limits,
+    memory::{PADDED_ALIGNMENT, PayloadLayout},
+    names,
+    paths::PathsHeader,
     state::{PositionF32, PositionF64, StateHeader},
 };
 
 /// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
 pub type Ipc = ipc_threadsafe::Service;
-/// The control service.
-pub type Control = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
+/// A service for requests.
+pub type Requests = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 /// A state service of positions `P`.
 pub type States<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], StateHeader>;
 /// A correction service.
@@ -43,21 +45,26 @@ fn service_name(name: &str) -> ServiceName {
     ServiceName::new(name).unwrap_or_else(|error| panic!("service name {name}: {error:?}"))
 }
 
-fn payload_alignment() -> Alignment {
-    Alignment::new(limits::PAYLOAD_ALIGNMENT).unwrap_or(Alignment::ALIGN_64)
+/// The alignment to ask for where each element is to be padded. To ask for 1 leaves an element type its own alignment.
+fn alignment(layout: PayloadLayout) -> Alignment {
+    let bytes = match layout {
+        PayloadLayout::Packed => 1,
+        PayloadLayout::Padded => PADDED_ALIGNMENT,
+    };
+    Alignment::new(bytes).unwrap_or(Alignment::ALIGN_1)
 }
 
-/// Opens or creates the control service; only the daemon makes a server for it.
+/// Opens or creates the service for requests; only the daemon makes a server for it.
 ///
 /// # Errors
 /// The error of iceoryx2.
-pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOrCreateError> {
-    node.service_builder(&service_name(names::CONTROL))
+pub fn create_requests(node: &Node<Ipc>, layout: PayloadLayout) -> Result<Requests, RequestResponseOpenOrCreateError> {
+    node.service_builder(&service_name(requests_name(layout)))
         .request_response::<[u8], [u8]>()
         .request_user_header::<RequestHeader>()
         .response_user_header::<ReplyHeader>()
-        .request_payload_alignment(payload_alignment())
-        .response_payload_alignment(payload_alignment())
+        .request_payload_alignment(alignment(layout))
+        .response_payload_alignment(alignment(layout))
         .max_servers(1)
         .max_clients(limits::MAX_CLIENTS)
         .max_nodes(MAX_NODES)
@@ -68,18 +75,30 @@ pub fn create_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenOr
         .open_or_create()
 }
 
-/// Opens the control service.
+/// Opens the service for requests, that of a daemon of release 0.1 where there is no other.
 ///
 /// # Errors
 /// The error of iceoryx2; the service does not exist where no daemon runs.
-pub fn open_control(node: &Node<Ipc>) -> Result<Control, RequestResponseOpenError> {
-    node.service_builder(&service_name(names::CONTROL))
-        .request_response::<[u8], [u8]>()
-        .request_user_header::<RequestHeader>()
-        .response_user_header::<ReplyHeader>()
-        .request_payload_alignment(payload_alignment())
-        .response_payload_alignment(payload_alignment())
-        .open()
+pub fn open_requests(node: &Node<Ipc>) -> Result<(Requests, PayloadLayout), RequestResponseOpenError> {
+    let open = |layout| {
+        node.service_builder(&service_name(requests_name(layout)))
+            .request_response::<[u8], [u8]>()
+            .request_user_header::<RequestHeader>()
+            .response_user_header::<ReplyHeader>()
+            .open()
+            .map(|service| (service, layout))
+    };
+    match open(PayloadLayout::Packed) {
+        Err(RequestResponseOpenError::DoesNotExist) => open(PayloadLayout::Padded),
+        opened => opened,
+    }
+}
+
+fn requests_name(layout: PayloadLayout) -> &'static str {
+    match layout {
+        PayloadLayout::Packed => names::REQUESTS,
+        PayloadLayout::Padded => names::CONTROL,
+    }
 }
 
 /// Opens or creates one of the two events that all clients share.
@@ -128,7 +147,11 @@ pub trait Position: std::fmt::Debug + ZeroCopySend + Sized + 'static {
     ///
     /// # Errors
     /// The error of iceoryx2.
-    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError>;
+    fn create_states(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<States<Self>, PublishSubscribeCreateError>;
 
     /// Opens a state service.
     ///
@@ -138,8 +161,12 @@ pub trait Position: std::fmt::Debug + ZeroCopySend + Sized + 'static {
 }
 
 impl Position for PositionF32 {
-    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError> {
-        create_states(node, name)
+    fn create_states(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<States<Self>, PublishSubscribeCreateError> {
+        create_states(node, name, layout)
     }
 
     fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
@@ -148,8 +175,12 @@ impl Position for PositionF32 {
 }
 
 impl Position for PositionF64 {
-    fn create_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeCreateError> {
-        create_states(node, name)
+    fn create_states(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<States<Self>, PublishSubscribeCreateError> {
+        create_states(node, name, layout)
     }
 
     fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
@@ -157,11 +188,15 @@ impl Position for PositionF64 {
     }
 }
 
-fn create_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, PublishSubscribeCreateError> {
+fn create_states<P: Position>(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<States<P>, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[P]>()
         .user_header::<StateHeader>()
-        .payload_alignment(payload_alignment())
+        .payload_alignment(alignment(layout))
         .max_publishers(1)
         .max_subscribers(1)
         .max_nodes(2)
@@ -173,22 +208,22 @@ fn create_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>,
 }
 
 fn open_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[P]>()
-        .user_header::<StateHeader>()
-        .payload_alignment(payload_alignment())
-        .open()
+    node.service_builder(&service_name(name)).publish_subscribe::<[P]>().user_header::<StateHeader>().open()
 }
 
 /// Creates a correction service.
 ///
 /// # Errors
 /// The error of iceoryx2.
-pub fn create_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeCreateError> {
+pub fn create_corrections(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<CorrectionService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
         .user_header::<CorrectionHeader>()
-        .payload_alignment(payload_alignment())
+        .payload_alignment(alignment(layout))
         .max_publishers(1)
         .max_subscribers(1)
         .max_nodes(2)
@@ -207,7 +242,6 @@ pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServic
     node.service_builder(&service_name(name))
         .publish_subscribe::<[VertexCorrection]>()
         .user_header::<CorrectionHeader>()
-        .payload_alignment(payload_alignment())
         .open()
 }
 
@@ -215,11 +249,15 @@ pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionServic
 ///
 /// # Errors
 /// The error of iceoryx2.
-pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeCreateError> {
+pub fn create_paths(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<PathsService, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
         .publish_subscribe::<[u8]>()
         .user_header::<PathsHeader>()
-        .payload_alignment(payload_alignment())
+        .payload_alignment(alignment(layout))
         .max_publishers(1)
         .max_subscribers(limits::PATHS_SUBSCRIBERS)
         .max_nodes(2 + limits::PATHS_SUBSCRIBERS)
@@ -235,9 +273,5 @@ pub fn create_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, Publis
 /// # Errors
 /// The error of iceoryx2.
 pub fn open_paths(node: &Node<Ipc>, name: &str) -> Result<PathsService, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[u8]>()
-        .user_header::<PathsHeader>()
-        .payload_alignment(payload_alignment())
-        .open()
+    node.service_builder(&service_name(name)).publish_subscribe::<[u8]>().user_header::<PathsHeader>().open()
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     frame::Frame,
-    intersect::{Intersections, Intersector},
+    intersect::{Intersections, Intersector, SearchEnd, SearchLimits},
     mesh::Mesh,
     paths::{IntersectionPaths, PathFinder},
     regions::{InsideRegions, RegionFinder},
@@ -28,10 +28,14 @@ pub struct Analyser {
     path_finder: PathFinder,
     region_finder: RegionFinder,
     analysis: Analysis,
+    search: SearchEnd,
 }
 
 impl Analyser {
     /// Analyses one frame. The answer depends on the mesh, the frame and the settings alone.
+    ///
+    /// Where more intersects than the settings allow, or time is up before all of it is found, the analysis is empty;
+    /// [`search_end`](Self::search_end) says so.
     ///
     /// Cost: O(n log n) in faces and segments together.
     pub fn analyse(
@@ -41,9 +45,23 @@ impl Analyser {
         settings: &Settings,
         observer: &mut dyn StageObserver,
     ) -> &Analysis {
+        self.analyse_part(mesh, frame, settings, |_| (), observer)
+    }
+
+    /// As [`Analyser::analyse`], for what `select` leaves of the intersections: whole chains of segments.
+    pub(crate) fn analyse_part(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        settings: &Settings,
+        select: impl FnOnce(&mut Intersections),
+        observer: &mut dyn StageObserver,
+    ) -> &Analysis {
         let Analysis { intersections, paths, regions } = &mut self.analysis;
         observer.begin(Stage::Intersect);
-        self.intersector.intersect(mesh, frame, intersections);
+        let limits = SearchLimits::new(settings, mesh.num_faces());
+        self.search = self.intersector.intersect_within(mesh, frame, limits, observer, intersections);
+        select(intersections);
         observer.begin(Stage::Paths);
         self.path_finder.find(mesh, frame, intersections, paths);
         observer.begin(Stage::Regions);
@@ -58,6 +76,12 @@ impl Analyser {
         self.intersector.clear_cache();
     }
 
+    /// How the search of the last frame ended.
+    #[must_use]
+    pub fn search_end(&self) -> SearchEnd {
+        self.search
+    }
+
     /// The last analysis.
     #[must_use]
     pub fn last(&self) -> &Analysis {
@@ -65,10 +89,12 @@ impl Analyser {
     }
 }
 
-/// Analyses one frame of one mesh with the default settings; see [`Analyser`] for many frames.
+/// Analyses one frame of one mesh with the default settings, whatever intersects; see [`Analyser`] for many frames.
 #[must_use]
 pub fn analyse(mesh: &Mesh, frame: &Frame) -> Analysis {
     let mut analyser = Analyser::default();
-    analyser.analyse(mesh, frame, &Settings::default(), &mut ());
+    let unlimited =
+        Settings { max_face_pairs: Some(u64::MAX), max_tested_pairs: Some(u64::MAX), ..Settings::default() };
+    analyser.analyse(mesh, frame, &unlimited, &mut ());
     analyser.analysis
 }

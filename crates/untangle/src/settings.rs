@@ -33,6 +33,12 @@ pub struct Settings {
     pub max_centres: usize,
     /// Vertices in the k-ring of this width round the paths are flagged as near a path.
     pub path_rings: u32,
+    /// Most pairs of faces that may intersect in a frame. Without it the limit goes by the size of the mesh: four for
+    /// each face, and 131,072 in a small one. A frame of more is not analysed.
+    pub max_face_pairs: Option<u64>,
+    /// Most pairs of faces whose bounding boxes may overlap in a frame. Without it: 512 for each face, and 67,108,864
+    /// in a small one. A frame of more is not analysed.
+    pub max_tested_pairs: Option<u64>,
     /// Time for a frame in microseconds, from when its positions are read. The library has no clock: its caller
     /// measures the time and ends the frame through the observer of its stages, as the daemon does. Pairs of paths for
     /// which there is no time are left out, the shortest first.
@@ -116,6 +122,8 @@ impl Default for Settings {
             min_centres: 5,
             max_centres: 30,
             path_rings: 2,
+            max_face_pairs: None,
+            max_tested_pairs: None,
             deadline_us: None,
         }
     }
@@ -134,6 +142,18 @@ pub struct SettingsError {
 }
 
 impl Settings {
+    /// Most pairs of faces that may intersect in a frame of a mesh of `num_faces`.
+    #[must_use]
+    pub fn max_face_pairs(&self, num_faces: usize) -> u64 {
+        self.max_face_pairs.unwrap_or((4 * num_faces as u64).max(1 << 17))
+    }
+
+    /// Most pairs of faces whose bounding boxes may overlap in a frame of a mesh of `num_faces`.
+    #[must_use]
+    pub fn max_tested_pairs(&self, num_faces: usize) -> u64 {
+        self.max_tested_pairs.unwrap_or((512 * num_faces as u64).max(1 << 26))
+    }
+
     /// Checks every value.
     ///
     /// # Errors
@@ -160,6 +180,9 @@ impl Settings {
             "between min_centres and 1000",
         )?;
         check("path_rings", f64::from(self.path_rings), self.path_rings <= 64, "at most 64")?;
+        let expected = "at least 1, or left out for a limit by the size of the mesh";
+        check("max_face_pairs", 0.0, self.max_face_pairs != Some(0), expected)?;
+        check("max_tested_pairs", 0.0, self.max_tested_pairs != Some(0), expected)?;
         check("deadline_us", 0.0, self.deadline_us != Some(0), "at least 1, or left out for no limit")
     }
 }

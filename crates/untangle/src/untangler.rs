@@ -6,6 +6,7 @@ use crate::{
     analysis::{Analyser, Analysis},
     correspond::Correspondences,
     frame::Frame,
+    intersect::SearchEnd,
     mesh::Mesh,
     relax::CoupledStep,
     respond::{Corrections, Responder},
@@ -27,6 +28,9 @@ pub struct Untangler {
 /// The answer to one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome<'a> {
+    /// How the search for intersections ended. Unless it is complete, nothing is known of the frame, and analysis and
+    /// corrections are empty.
+    pub search: SearchEnd,
     /// The global intersection analysis.
     pub analysis: &'a Analysis,
     /// Targets of the points inside; empty where the response needs none.
@@ -75,7 +79,8 @@ impl Untangler {
 
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
-        let analysis = self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
+        self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
+        let (analysis, search) = (self.analyser.last(), self.analyser.search_end());
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
         if self.settings.response == Response::Coupled {
             observer.begin(Stage::Respond);
@@ -84,6 +89,7 @@ impl Untangler {
             observer.end();
         }
         Outcome {
+            search,
             analysis,
             correspondences: self.responder.correspondences(),
             corrections: self.responder.corrections(),

@@ -16,14 +16,14 @@ use thiserror::Error;
 pub use report::Report;
 
 use untangle::{
-    analysis::{Analyser, Analysis},
-    settings::Settings,
+    analysis::Analysis,
     stage::{Stage, StageObserver},
 };
 use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
     input::{self, Input, InputError, is_same_file},
+    limit::{MAX_FACE_PAIRS, analyse_within},
     outcome::{self, Outcome},
     weld::WeldArg,
 };
@@ -50,6 +50,9 @@ pub struct CheckArgs {
     /// none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
+    /// End with an error where more pairs of triangles intersect: a million takes half a gigabyte
+    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_face_pairs: u64,
 }
 
 /// Why a check could not be done.
@@ -80,20 +83,29 @@ pub enum CheckError {
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
-    let (report, analysis) = check(&args.files, args.weld, args.face_pairs)?;
+    let (report, analysis) = check_within(&args.files, args.weld, args.face_pairs, args.max_face_pairs)?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
-    let text = if args.json { report.to_json() } else { report.to_string() };
+    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
     Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
 }
 
-/// Reads and analyses files as one world.
+/// Reads and analyses files as one world, with the usual limit on what may intersect.
 ///
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
 pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+    check_within(files, weld, list_face_pairs, MAX_FACE_PAIRS)
+}
+
+fn check_within(
+    files: &[PathBuf],
+    weld: WeldArg,
+    list_face_pairs: bool,
+    max_face_pairs: u64,
+) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
@@ -101,8 +113,7 @@ pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<
     let world = input::join(files, &meshes)?;
     let input = Input::new(&meshes, world, weld)?;
     drop(meshes);
-    let mut analyser = Analyser::default();
-    let analysis = analyser.analyse(&input.mesh, &input.frame, &Settings::default(), &mut clock).clone();
+    let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
     let report = Report::new(files, &input, &analysis, clock.times, list_face_pairs);
     Ok((report, analysis))
 }

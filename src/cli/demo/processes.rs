@@ -3,11 +3,15 @@
 use std::{
     cell::RefCell,
     env, fs,
+    io::ErrorKind,
+    os::unix::fs::DirBuilderExt,
     path::PathBuf,
     process::{Child, Command, Stdio},
 };
 
 use rustix::process::{Pid, Signal, kill_process};
+
+use untangled_transport::{Domain, lock::WipeOnLeave};
 
 use super::error::DemoError;
 
@@ -26,8 +30,18 @@ pub(super) struct Scratch {
 impl Scratch {
     pub(super) fn new() -> Result<Self, DemoError> {
         let domain = format!("demo-{}", std::process::id());
-        let folder = env::temp_dir().join(format!("untangled-{domain}"));
-        fs::create_dir_all(&folder).map_err(DemoError::system(format!("creating {}", folder.display())))?;
+        let mut folder = env::temp_dir().join(format!("untangled-{domain}"));
+        // One that is there already may be another user's.
+        for attempt in 1.. {
+            match fs::DirBuilder::new().mode(0o700).create(&folder) {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && attempt < 100 => {}
+                made => {
+                    made.map_err(DemoError::system(format!("creating {}", folder.display())))?;
+                    break;
+                }
+            }
+            folder.set_file_name(format!("untangled-{domain}-{attempt}"));
+        }
         Ok(Self { domain, folder })
     }
 }
@@ -36,6 +50,10 @@ impl Drop for Scratch {
     fn drop(&mut self) {
         // The system removes temporary files itself, so an error here is ignored.
         let _ = fs::remove_dir_all(&self.folder);
+        // A daemon that was killed has left its files.
+        if let Ok(domain) = Domain::locate(Some(&self.domain)) {
+            drop(WipeOnLeave(domain));
+        }
     }
 }
 

@@ -1,12 +1,12 @@
 //! The arguments of `untangled fix`.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::weld::WeldArg;
+use crate::cli::{limit::MAX_FACE_PAIRS, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -40,6 +40,12 @@ pub struct FixArgs {
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
+    /// End with an error, and write nothing, where more pairs of triangles intersect: a million takes half a gigabyte
+    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_face_pairs: u64,
+    /// End the untangling so many seconds after the start, and write the best state found until then
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time_limit: Option<Duration>,
     /// Time against result
     #[arg(long, value_enum, default_value_t)]
     pub quality: QualityArg,
@@ -54,6 +60,11 @@ pub struct FixArgs {
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let value = text.parse().map_err(|_| "must be a number of seconds".to_owned())?;
+    Duration::try_from_secs_f64(value).map_err(|_| "must be a number of seconds, 0 or more".to_owned())
 }
 
 /// [`Effort`] as an argument.

@@ -25,10 +25,7 @@ mod tests;
 
 use std::time::Instant;
 
-use untangle::{
-    analysis::analyse,
-    relax::{RelaxSettings, relax},
-};
+use untangle::relax::{RelaxSettings, relax_until};
 use untangled_mesh_io::MeshFile;
 
 pub use args::{FixArgs, QualityArg};
@@ -37,6 +34,7 @@ pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
     input::{self, Input},
+    limit::analyse_within,
     outcome::{self, Outcome},
 };
 use plan::{Job, check_movable, plan};
@@ -49,8 +47,8 @@ use terminal::{Interrupt, Progress};
 /// [`FixError`]; one line, exit code 2.
 pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
     let mut interrupt = Interrupt::listen().map_err(FixError::Signals)?;
-    let report = fix(args, &mut relax, &mut interrupt)?;
-    let text = if args.json { report.to_json() } else { report.to_string() };
+    let report = fix(args, &mut relax_until, &mut interrupt)?;
+    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(FixError::Print)?;
     Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
 }
@@ -65,12 +63,13 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let (input, pins) = world(args, &files)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = Counts::new(&analyse(&input.mesh, &input.frame));
+    let before = Counts::new(&analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?);
     interrupt.check()?;
-    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs) };
-    let Repaired { written, history, blocked } = if before.is_clean() {
+    let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
+    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let Repaired { written, history, blocked, time_limit_reached } = if before.is_clean() {
         interrupt.wait_for_files();
-        Repaired { written: repair.write(&input, &input.positions)?, history: Vec::new(), blocked: Vec::new() }
+        Repaired::unchanged(repair.write(&input, &input.positions)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
@@ -83,6 +82,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_clean(),
         num_welded_vertices: input.weld.num_merged(),
+        time_limit_reached,
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),
         before,

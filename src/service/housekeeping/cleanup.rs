@@ -44,7 +44,8 @@ impl Cleanup {
                 }
             }
         });
-        let thread = thread.map_err(|source| ServeError::System { what: "starting the janitor", source })?;
+        let thread =
+            thread.map_err(|source| ServeError::System { what: "starting the cleanup thread".to_owned(), source })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }

@@ -23,7 +23,8 @@ pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> usize {
     let limit = getrlimit(Resource::Nofile).current;
     let room = limit.map_or(max_sessions, |limit| sessions_within(limit).min(max_sessions));
     if room < max_sessions {
-        tracing::warn!(?limit, needed, max_sessions, room, "the limit of open files leaves room for fewer sessions");
+        let limit = limit.unwrap_or(u64::MAX);
+        tracing::warn!(limit, needed, max_sessions, room, "the limit of open files leaves room for fewer sessions");
     }
     room
 }

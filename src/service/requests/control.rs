@@ -6,10 +6,12 @@ use iceoryx2::{
     port::server::Server,
     prelude::{AllocationStrategy, Node},
 };
-use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, limits, names};
+use untangled_proto::{
+    PROTOCOL_VERSION, PayloadLayout, ReplyHeader, RequestHeader, RequestKind, limits, memory::reply_sample_bytes, names,
+};
 use untangled_transport::{
-    memory, node as nodes,
-    services::{self, Control, Event, Ipc},
+    Domain, memory, node as nodes,
+    services::{self, Event, Ipc, Requests},
 };
 
 use super::{
@@ -20,17 +22,26 @@ use crate::service::{error::ServeError, throttle::Throttle};
 
 type Port = Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 
-/// Number of replies for which shared memory is committed at the start: two for each client.
+/// Number of replies for which shared memory is committed at the start: two for each client where they are packed, some
+/// where they are padded, which takes 64 times as much.
 const COMMITTED_REPLIES: u64 = 2 * limits::MAX_CLIENTS as u64;
+const COMMITTED_PADDED_REPLIES: u64 = 4;
 /// Registrations of more bytes than this are large.
 const LARGE_BYTES: usize = 1 << 20;
 
 /// Receives requests, and answers those that take little time. Fields are dropped in order: ports before services.
 pub(crate) struct ControlServer {
-    server: Port,
+    /// For clients of this release, and for those of release 0.1.
+    inlets: [Inlet; 2],
     replier: Arc<Replier>,
-    _service: Control,
     _event: Event,
+}
+
+/// A service for requests and its one server. What is asked for there gets samples of its layout.
+struct Inlet {
+    server: Port,
+    layout: PayloadLayout,
+    _service: Requests,
 }
 
 /// A registration, for a worker: a mesh may be large.
@@ -38,6 +49,7 @@ pub(crate) struct ControlServer {
 pub(crate) struct RegistrationJob {
     request: Request,
     header: RequestHeader,
+    layout: PayloadLayout,
     replier: Arc<Replier>,
 }
 
@@ -47,18 +59,23 @@ impl ControlServer {
             .map_err(|error| ServeError::transport("creating the reply event", &error))?;
         let notifier =
             event.notifier_builder().create().map_err(|error| ServeError::transport("creating a notifier", &error))?;
-        let (service, server) = create_server(node)?;
-        // Refusals must get through where shared memory is full.
         let domain = &registry.options().domain;
-        memory::commit_first(domain, server.id().value(), COMMITTED_REPLIES * REPLY_BYTES as u64)
-            .map_err(|source| ServeError::System { what: "taking shared memory for replies", source })?;
-        Ok(Self { server, replier: Arc::new(Replier::new(notifier, registry)), _service: service, _event: event })
+        // A client looks for them in this order as well.
+        let inlets =
+            [Inlet::open(node, domain, PayloadLayout::Packed)?, Inlet::open(node, domain, PayloadLayout::Padded)?];
+        Ok(Self { inlets, replier: Arc::new(Replier::new(notifier, registry)), _event: event })
     }
 
     /// Answers all requests that have come, except for registrations, which are passed to `defer`.
     pub(crate) fn answer(&self, mut defer: impl FnMut(RegistrationJob)) {
+        for inlet in &self.inlets {
+            self.answer_inlet(inlet, &mut defer);
+        }
+    }
+
+    fn answer_inlet(&self, inlet: &Inlet, defer: &mut impl FnMut(RegistrationJob)) {
         loop {
-            let request = match self.server.receive() {
+            let request = match inlet.server.receive() {
                 Ok(Some(request)) => request,
                 Ok(None) => return,
                 Err(error) => {
@@ -71,11 +88,11 @@ impl ControlServer {
             };
             // A copy: the peer may go on writing.
             let header = *request.user_header();
-            let replier = &self.replier;
+            let (replier, layout) = (&self.replier, inlet.layout);
             if header.kind == RequestKind::Register as u32 && header.protocol_version == PROTOCOL_VERSION {
-                defer(RegistrationJob { request, header, replier: Arc::clone(replier) });
+                defer(RegistrationJob { request, header, layout, replier: Arc::clone(replier) });
             } else {
-                replier.answer(&request, &header);
+                replier.answer(&request, &header, layout);
             }
         }
     }
@@ -88,19 +105,34 @@ impl RegistrationJob {
     }
 
     pub(crate) fn run(self) {
-        let Self { request, header, replier } = self;
-        replier.register(&request, &header);
+        let Self { request, header, layout, replier } = self;
+        replier.register(&request, &header, layout);
     }
 }
 
-/// The control service with its one server. A server of a daemon that was killed counts until it is cleaned up.
-fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
+impl Inlet {
+    fn open(node: &Node<Ipc>, domain: &Domain, layout: PayloadLayout) -> Result<Self, ServeError> {
+        let (service, server) = create_server(node, layout)?;
+        // Refusals must get through where shared memory is full.
+        let num_replies = match layout {
+            PayloadLayout::Packed => COMMITTED_REPLIES,
+            PayloadLayout::Padded => COMMITTED_PADDED_REPLIES,
+        };
+        let bytes = num_replies * reply_sample_bytes(REPLY_BYTES, layout);
+        memory::commit_first(domain, server.id().value(), bytes)
+            .map_err(|source| ServeError::System { what: "taking shared memory for replies".to_owned(), source })?;
+        Ok(Self { server, layout, _service: service })
+    }
+}
+
+/// A service for requests with its one server. A server of a daemon that was killed counts until it is cleaned up.
+fn create_server(node: &Node<Ipc>, layout: PayloadLayout) -> Result<(Requests, Port), ServeError> {
     const ATTEMPTS: u32 = 20;
     let mut attempt = 0;
     loop {
         attempt += 1;
-        let result = services::create_control(node)
-            .map_err(|error| ServeError::transport("creating the control service", &error))
+        let result = services::create_requests(node, layout)
+            .map_err(|error| ServeError::transport("creating the service for requests", &error))
             .and_then(|service| {
                 let server = service
                     .server_builder()
@@ -108,7 +140,7 @@ fn create_server(node: &Node<Ipc>) -> Result<(Control, Port), ServeError> {
                     .allocation_strategy(AllocationStrategy::PowerOfTwo)
                     .max_loaned_responses_per_request(1)
                     .create()
-                    .map_err(|error| ServeError::transport("creating the control server", &error))?;
+                    .map_err(|error| ServeError::transport("creating the server for requests", &error))?;
                 Ok((service, server))
             });
         match result {

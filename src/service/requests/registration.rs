@@ -2,25 +2,37 @@
 
 use std::sync::Arc;
 
-use figment::{Figment, providers::Serialized};
 use untangled_proto::{
-    CorrectionKind, Precision, RegisterParams, Status, limits,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, Status, limits, memory,
     sections::{SectionError, Sections, id},
 };
-use untangled_transport::memory;
+use untangled_transport::memory as shared_memory;
 
 use untangle::{
     mesh::{Mesh, MeshDescription, Uvs},
     settings::{Quality, Settings},
 };
 
-use crate::service::{error::Refusal, options::ServeOptions, session::Registered};
+use crate::{
+    overlay,
+    service::{
+        error::Refusal,
+        options::ServeOptions,
+        session::{Registered, memory_bytes},
+    },
+};
 
-/// Reads and validates a registration. `reserved_bytes` of shared memory are promised to other sessions already.
+/// Reads and validates a registration of a session with this layout of samples. `reserved_bytes` of shared memory are
+/// promised to other sessions already.
 ///
 /// # Errors
 /// [`Refusal`] with the element and the value at fault.
-pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64) -> Result<Registered, Refusal> {
+pub fn read(
+    sections: &Sections<'_>,
+    options: &ServeOptions,
+    layout: PayloadLayout,
+    reserved_bytes: u64,
+) -> Result<Registered, Refusal> {
     let params = sections
         .bytes(id::PARAMS)
         .and_then(RegisterParams::from_bytes)
@@ -47,10 +59,23 @@ pub fn read(sections: &Sections<'_>, options: &ServeOptions, reserved_bytes: u64
         let message = "corrections as forces need the mass of each vertex; send masses, or ask for another kind";
         return Err(Refusal::new(Status::MassesRequired, message));
     }
-    check_memory(num_vertices, precision, reserved_bytes)?;
+    let (estimate, limit) =
+        (memory_bytes(num_vertices, num_faces, precision, layout), options.max_session_memory_bytes);
+    if estimate > limit {
+        return Err(Refusal::new(
+            Status::TooLarge,
+            format_args!(
+                "a session of {num_vertices} vertices and {num_faces} faces takes about {} MB of memory; \
+                 at most {} MB are allowed (limits.max_session_memory_mb)",
+                estimate.div_ceil(1_000_000),
+                limit / 1_000_000
+            ),
+        ));
+    }
+    check_memory(memory::session_bytes(num_vertices, precision, layout), reserved_bytes)?;
     let settings = settings(sections, options)?;
     let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
-    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction })
+    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout })
 }
 
 /// The settings of a request, merged over the daemon's own.
@@ -98,14 +123,14 @@ fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescr
     })
 }
 
-fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) -> Result<(), Refusal> {
-    let needed = limits::session_bytes(num_vertices, precision);
-    match memory::free() {
+fn check_memory(needed: u64, reserved_bytes: u64) -> Result<(), Refusal> {
+    match shared_memory::free() {
         Ok(free) if free < needed.saturating_add(reserved_bytes) => Err(Refusal::new(
             Status::NotEnoughMemory,
             format_args!(
-                "the session needs {needed} bytes of shared memory; /dev/shm has {free} free, \
-                 of which {reserved_bytes} are promised"
+                "the session needs {needed} bytes of shared memory; /dev/shm has {} left \
+                 ({free} free, of which {reserved_bytes} are promised to sessions whose hosts have yet to take them)",
+                free.saturating_sub(reserved_bytes)
             ),
         )),
         Ok(_) => Ok(()),
@@ -116,15 +141,41 @@ fn check_memory(num_vertices: usize, precision: Precision, reserved_bytes: u64) 
 /// Merges `chosen`, settings by name, over `settings`. The name `quality` sets several settings first; the others
 /// override it. The error says in words what is wrong.
 fn merge(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::Value>) -> Result<Settings, String> {
-    let mut base = settings.clone();
+    let mut merged = settings.clone();
     if let Some(quality) = chosen.remove("quality") {
-        let quality = Figment::from(Serialized::default("quality", quality)).extract_inner::<Quality>("quality");
-        quality.map_err(|error| error.to_string())?.apply(&mut base);
+        let quality: Quality = serde_json::from_value(quality).map_err(|error| format!("quality: {error}"))?;
+        quality.apply(&mut merged);
     }
-    let layers = Figment::from(Serialized::defaults(base)).merge(Serialized::defaults(chosen));
-    let settings: Settings = layers.extract().map_err(|error| error.to_string())?;
-    settings.validate().map_err(|error| error.to_string())?;
-    Ok(settings)
+    for (name, value) in chosen {
+        merged = with_setting(&merged, &name, value)?;
+    }
+    merged.validate().map_err(|error| error.to_string())?;
+    Ok(merged)
+}
+
+fn with_setting(settings: &Settings, name: &str, value: serde_json::Value) -> Result<Settings, String> {
+    // Every setting has a value here, so that all names are there.
+    let all = Settings { thickness_m: Some(0.0), deadline_us: Some(1), ..Settings::default() };
+    let known = toml::Table::try_from(&all).map_err(|error| error.to_string())?;
+    let names = || ["quality"].into_iter().chain(known.keys().map(String::as_str));
+    if !known.contains_key(name) {
+        return Err(match overlay::nearest(name, names()) {
+            Some(nearest) => format!("there is no setting `{name}`; did you mean `{nearest}`?"),
+            None => format!("there is no setting `{name}`; there are {}", names().collect::<Vec<_>>().join(", ")),
+        });
+    }
+    let value = match value {
+        // A host that has no value may say so.
+        serde_json::Value::Null if name == "thickness_m" => {
+            return Ok(Settings { thickness_m: None, ..settings.clone() });
+        }
+        serde_json::Value::Null if name == "deadline_us" => {
+            return Ok(Settings { deadline_us: None, ..settings.clone() });
+        }
+        serde_json::Value::Null => return Err(format!("{name}: null is no value")),
+        value => toml::Value::try_from(value).map_err(|error| format!("{name}: {error}"))?,
+    };
+    overlay::replace(settings, &[name], value).map_err(|reason| format!("{name}: {reason}"))
 }
 
 #[cfg(test)]
@@ -144,5 +195,18 @@ mod tests {
         for bad in [r#"{"quality": "best"}"#, r#"{"quality": 3}"#, r#"{"deadline_us": 0}"#, r#"{"deadline_us": -1}"#] {
             assert!(chosen(bad).is_err(), "{bad}");
         }
+        let words = |text: &str| chosen(text).unwrap_err();
+        assert_eq!(words(r#"{"path_ring": 3}"#), "there is no setting `path_ring`; did you mean `path_rings`?");
+        let all = words(r#"{"gravity": 3}"#);
+        assert!(all.contains("there are quality, ") && all.contains("deadline_us"), "{all}");
+        for (bad, name) in [(r#"{"path_rings": -1}"#, "path_rings"), (r#"{"quality": "best"}"#, "quality")] {
+            let words = words(bad);
+            assert!(words.starts_with(&format!("{name}: ")), "{words}");
+            for internal in ["src/", "serde", "usize", "u32", "default."] {
+                assert!(!words.contains(internal), "{words}");
+            }
+        }
+        let none = chosen(r#"{"deadline_us": null}"#).unwrap();
+        assert_eq!(none.deadline_us, None);
     }
 }

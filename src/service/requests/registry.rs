@@ -11,11 +11,19 @@ use std::{
 };
 
 use iceoryx2::prelude::Node;
-use untangled_proto::{Status, sections::Sections};
-use untangled_transport::services::Ipc;
+use untangled_proto::{PayloadLayout, Status, sections::Sections};
+use untangled_transport::{node, process_id::ProcessId, services::Ipc};
 
 use super::registration;
-use crate::service::{error::Refusal, options::ServeOptions, session::Session, throttle::Throttle};
+use crate::service::{
+    error::Refusal,
+    options::ServeOptions,
+    session::{Session, Totals},
+    throttle::Throttle,
+};
+
+/// Most sessions of one client that wait for its state publisher, which a client makes right after the reply.
+const MAX_WAITING: usize = 16;
 
 /// State that all threads of a daemon share. Fields are dropped in order: sessions before the node.
 #[derive(Debug)]
@@ -28,6 +36,7 @@ pub(crate) struct Registry {
     num_registered: AtomicU64,
     num_registering: AtomicUsize,
     num_refused_requests: AtomicU64,
+    totals: Arc<Totals>,
     started: Instant,
 }
 
@@ -41,6 +50,7 @@ impl Registry {
             num_registered: AtomicU64::new(0),
             num_registering: AtomicUsize::new(0),
             num_refused_requests: AtomicU64::new(0),
+            totals: Arc::default(),
             started: Instant::now(),
         }
     }
@@ -55,6 +65,11 @@ impl Registry {
 
     pub(crate) fn uptime(&self) -> Duration {
         self.started.elapsed()
+    }
+
+    /// Counts and times of all sessions, those that have ended included.
+    pub(crate) fn totals(&self) -> &Totals {
+        &self.totals
     }
 
     pub(crate) fn num_registered(&self) -> u64 {
@@ -92,13 +107,19 @@ impl Registry {
     }
 
     /// Opens a session.
-    pub(crate) fn register(&self, sections: &Sections<'_>) -> Result<u64, Refusal> {
+    pub(crate) fn register(
+        &self,
+        sections: &Sections<'_>,
+        layout: PayloadLayout,
+        client: Option<ProcessId>,
+    ) -> Result<u64, Refusal> {
         static REGISTERED: Throttle = Throttle::new();
-        let _place = self.take_place()?;
+        let _place = self.take_place(client)?;
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
-        let registered = registration::read(sections, &self.options, promised)?;
+        let registered = registration::read(sections, &self.options, layout, promised)?;
         let id = self.num_registered.fetch_add(1, Ordering::Relaxed) + 1;
-        let session = Session::create(&self.node, &self.options.domain, self.instance, id, registered)?;
+        let totals = Arc::clone(&self.totals);
+        let session = Session::create(&self.node, &self.options.domain, self.instance, id, client, registered, totals)?;
         if let Some(num_suppressed) = REGISTERED.admit() {
             tracing::info!(
                 session = id,
@@ -113,14 +134,47 @@ impl Registry {
     }
 
     /// A place for one more session, while it is being registered.
-    fn take_place(&self) -> Result<Place<'_>, Refusal> {
-        let limit = self.options.max_sessions;
+    fn take_place(&self, client: Option<ProcessId>) -> Result<Place<'_>, Refusal> {
+        let ServeOptions { max_sessions, max_sessions_per_client: max_own, .. } = self.options;
         let sessions = self.sessions();
         let place = Place::take(&self.num_registering);
-        if sessions.len() + self.num_registering.load(Ordering::Relaxed) > limit {
-            return Err(Refusal::new(Status::TooManySessions, format_args!("{limit} sessions are open already")));
+        let refused = |words: std::fmt::Arguments<'_>| Err(Refusal::new(Status::TooManySessions, words));
+        let own = || sessions.iter().filter(|session| session.client() == client);
+        let num_waiting = own().filter(|session| session.is_waiting()).count();
+        if num_waiting >= MAX_WAITING {
+            return refused(format_args!("{num_waiting} sessions of this client still wait for its state publisher"));
+        }
+        if own().count() >= max_own {
+            return refused(format_args!("{max_own} sessions of this client are open already"));
+        }
+        if sessions.len() + self.num_registering.load(Ordering::Relaxed) > max_sessions {
+            return refused(format_args!("{max_sessions} sessions are open already"));
         }
         Ok(place)
+    }
+
+    /// Ends sessions whose client has ended before it made its state publisher.
+    pub(crate) fn end_abandoned(&self) {
+        if !self.sessions().iter().any(|session| session.is_waiting()) {
+            return;
+        }
+        let Ok(nodes) =
+            self.options.domain.config().map_err(drop).and_then(|config| node::living(&config).map_err(drop))
+        else {
+            return;
+        };
+        let living: Vec<ProcessId> = nodes.into_iter().filter_map(ProcessId::of).collect();
+        let is_gone = |session: &Session| session.client().is_some_and(|client| !living.contains(&client));
+        self.sessions().retain(|session| {
+            let ends = session.is_waiting() && is_gone(session);
+            if ends {
+                static ENDED: Throttle = Throttle::new();
+                if let Some(num_suppressed) = ENDED.admit() {
+                    tracing::info!(session = session.id(), num_suppressed, "session ended: its client is gone");
+                }
+            }
+            !ends
+        });
     }
 }
 

@@ -5,9 +5,12 @@ use std::sync::Arc;
 use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude::EventId};
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status,
-    control::Hello, limits, names, sections::Sections,
+    control::Hello,
+    memory::{PayloadLayout, reply_sample_bytes},
+    names,
+    sections::Sections,
 };
-use untangled_transport::{memory, services::Ipc};
+use untangled_transport::{memory, process_id::ProcessId, services::Ipc};
 
 use super::{registration, registry::Registry, status};
 use crate::service::{
@@ -18,8 +21,8 @@ use crate::service::{
 /// A request that has not been replied to.
 pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 
-/// Room for a reply at the start.
-pub(crate) const REPLY_BYTES: usize = 4096;
+/// Room for a reply at the start. Refusals fit; longer reports make the samples grow.
+pub(crate) const REPLY_BYTES: usize = 2048;
 
 /// The content of a reply that is no refusal.
 struct Answer {
@@ -40,16 +43,16 @@ impl Replier {
     }
 
     /// Does what a request asks for, and replies.
-    pub(crate) fn answer(&self, request: &Request, header: &RequestHeader) {
-        self.reply(request, header, self.execute(header, request.payload()));
+    pub(crate) fn answer(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout) {
+        self.reply(request, header, layout, self.execute(header, request, layout));
     }
 
     /// Opens the session that a request asks for, and replies.
-    pub(crate) fn register(&self, request: &Request, header: &RequestHeader) {
-        self.reply(request, header, self.open_session(header, request.payload()));
+    pub(crate) fn register(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout) {
+        self.reply(request, header, layout, self.open_session(header, request, layout));
     }
 
-    fn execute(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
+    fn execute(&self, header: &RequestHeader, request: &Request, layout: PayloadLayout) -> Result<Answer, Refusal> {
         if header.protocol_version != PROTOCOL_VERSION {
             let theirs = header.protocol_version;
             return Err(Refusal::new(
@@ -62,7 +65,7 @@ impl Replier {
         let kind = RequestKind::from_code(header.kind).ok_or_else(|| {
             Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
         })?;
-        let sections = sections(header, payload)?;
+        let sections = sections(header, request.payload())?;
         let plain = |text: String| Ok(Answer { session: 0, text });
         match kind {
             RequestKind::Hello => plain(json(&Hello {
@@ -72,7 +75,7 @@ impl Replier {
                 pid: std::process::id(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
-            RequestKind::Register => self.open_session(header, payload),
+            RequestKind::Register => self.open_session(header, request, layout),
             RequestKind::UpdateSettings => {
                 let settings = registration::settings(&sections, self.registry.options())?;
                 self.registry.find(header.session)?.set_settings(settings)?;
@@ -85,21 +88,27 @@ impl Replier {
         }
     }
 
-    fn open_session(&self, header: &RequestHeader, payload: &[u8]) -> Result<Answer, Refusal> {
-        let session = self.registry.register(&sections(header, payload)?)?;
+    fn open_session(
+        &self,
+        header: &RequestHeader,
+        request: &Request,
+        layout: PayloadLayout,
+    ) -> Result<Answer, Refusal> {
+        let client = ProcessId::of(request.origin().value());
+        let session = self.registry.register(&sections(header, request.payload())?, layout, client)?;
         Ok(Answer { session, text: String::new() })
     }
 
-    fn reply(&self, request: &Request, header: &RequestHeader, answer: Result<Answer, Refusal>) {
+    fn reply(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout, answer: Result<Answer, Refusal>) {
         if let Err(refusal) = &answer {
             static REFUSED: Throttle = Throttle::new();
             self.registry.count_refused_request();
             if let Some(num_suppressed) = REFUSED.admit() {
-                let (kind, status) = (header.kind, refusal.status);
-                tracing::info!(kind, ?status, reason = %refusal, num_suppressed, "request refused");
+                let (kind, status) = (header.kind, refusal.status.words());
+                tracing::info!(kind, status, reason = %refusal, num_suppressed, "request refused");
             }
         }
-        if let Err(error) = self.send(request, header.token, answer) {
+        if let Err(error) = self.send(request, header.token, layout, answer) {
             // Most likely the client is gone; a session that it registered ends when no host comes.
             static LOST: Throttle = Throttle::new();
             if let Some(num_suppressed) = LOST.admit() {
@@ -108,12 +117,18 @@ impl Replier {
         }
     }
 
-    fn send(&self, request: &Request, token: [u64; 2], answer: Result<Answer, Refusal>) -> Result<(), ServeError> {
+    fn send(
+        &self,
+        request: &Request,
+        token: [u64; 2],
+        layout: PayloadLayout,
+        answer: Result<Answer, Refusal>,
+    ) -> Result<(), ServeError> {
         let (status, session, text) = match answer {
             Ok(answer) => (Status::Ok, answer.session, answer.text),
             Err(refusal) => (refusal.status, 0, refusal.message),
         };
-        check_room(text.len())?;
+        check_room(text.len(), layout)?;
         let mut reply =
             request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
         *reply.user_header_mut() = ReplyHeader {
@@ -139,11 +154,11 @@ fn sections<'a>(header: &RequestHeader, payload: &'a [u8]) -> Result<Sections<'a
 
 /// Whether shared memory has room for a reply that is longer than [`REPLY_BYTES`]: its segment grows then, and writing
 /// to a page that the system can't provide ends the process with SIGBUS.
-fn check_room(reply_bytes: usize) -> Result<(), ServeError> {
-    // Times 2, since segments grow by powers of two, and for each of the samples that a server keeps for its clients.
-    let needed = (reply_bytes as u64 * 2).saturating_mul(4 * limits::MAX_CLIENTS as u64);
-    if reply_bytes > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
-        return Err(ServeError::transport("loaning a reply", &"shared memory is full"));
+fn check_room(length: usize, layout: PayloadLayout) -> Result<(), ServeError> {
+    // Times 2, since samples grow by powers of two. Only the pages that are written to are taken.
+    let needed = reply_sample_bytes(2 * length, layout);
+    if length > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
+        return Err(ServeError::NoRoom { what: "loaning a reply" });
     }
     Ok(())
 }

@@ -1,6 +1,12 @@
 //! The report of a running daemon: schema `untangled.status/1`.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+};
 
 use serde::Serialize;
 use untangled_proto::{
@@ -25,7 +31,13 @@ pub(crate) struct Report {
     pub(crate) num_refused_requests: u64,
     /// Sessions that were registered since the daemon started.
     pub(crate) num_registered: u64,
-    num_frames: u64,
+    /// Frames of all sessions since the daemon started, those of sessions that have ended included; so are the counts
+    /// and times below.
+    pub(crate) num_frames: u64,
+    pub(crate) num_refused_frames: u64,
+    pub(crate) num_skipped_frames: u64,
+    pub(crate) num_truncated_frames: u64,
+    pub(crate) stage_total_s: BTreeMap<&'static str, f64>,
     pub(crate) sessions: Vec<SessionReport>,
 }
 
@@ -54,6 +66,8 @@ pub(crate) struct SessionReport {
 /// Collects the report of a daemon.
 pub(crate) fn report(registry: &Registry) -> Report {
     let sessions: Vec<SessionReport> = registry.sessions().iter().map(session_report).collect();
+    let totals = registry.totals();
+    let count = |count: &AtomicU64| count.load(Ordering::Relaxed);
     Report {
         schema: "untangled.status/1",
         domain: registry.options().domain.name().to_owned(),
@@ -65,7 +79,11 @@ pub(crate) fn report(registry: &Registry) -> Report {
         num_workers: registry.options().num_workers(),
         num_refused_requests: registry.num_refused_requests(),
         num_registered: registry.num_registered(),
-        num_frames: sessions.iter().map(|session| session.num_frames).sum(),
+        num_frames: count(&totals.num_frames),
+        num_refused_frames: count(&totals.num_refused_frames),
+        num_skipped_frames: count(&totals.num_skipped_frames),
+        num_truncated_frames: count(&totals.num_truncated_frames),
+        stage_total_s: by_stage(1e9, std::array::from_fn(|k| count(&totals.stage_ns[k]))),
         sessions,
     }
 }
@@ -73,11 +91,6 @@ pub(crate) fn report(registry: &Registry) -> Report {
 fn session_report(session: &Arc<Session>) -> SessionReport {
     let statistics = session.statistics();
     let last = statistics.last.unwrap_or_default();
-    let by_stage = |scale: f64, times: [u64; 8]| {
-        #[expect(clippy::cast_precision_loss, reason = "2^53 ns are a hundred days of work")]
-        let scaled = times.map(|ns| ns as f64 / scale);
-        stage::NAMES.into_iter().zip(scaled).collect()
-    };
     SessionReport {
         session: session.id(),
         num_vertices: session.mesh().num_vertices(),
@@ -95,4 +108,11 @@ fn session_report(session: &Arc<Session>) -> SessionReport {
         stage_us: by_stage(1e3, last.stage_ns),
         stage_total_s: by_stage(1e9, statistics.stage_ns),
     }
+}
+
+/// Times of the stages by name, in nanoseconds divided by `scale`.
+fn by_stage(scale: f64, times: [u64; 8]) -> BTreeMap<&'static str, f64> {
+    #[expect(clippy::cast_precision_loss, reason = "2^53 ns are a hundred days of work")]
+    let scaled = times.map(|ns| ns as f64 / scale);
+    stage::NAMES.into_iter().zip(scaled).collect()
 }

@@ -12,6 +12,7 @@
 //! work of a session belongs to one worker at a time, and no state is overlooked.
 
 mod clock;
+mod estimate;
 pub mod ingest;
 mod paths;
 mod ports;
@@ -30,17 +31,18 @@ use std::{
 
 use iceoryx2::prelude::Node;
 use untangle::{mesh::Mesh, settings::Settings, untangler::Untangler};
-use untangled_proto::{CorrectionKind, Precision, Status, correction::stage, limits};
-use untangled_transport::{Domain, services::Ipc};
+use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, correction::stage, memory};
+use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
 
 use super::{
     error::{Refusal, ServeError},
     throttle::Throttle,
 };
+pub use estimate::memory_bytes;
 use paths::PathsPort;
 use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
-pub(crate) use statistics::Statistics;
+pub(crate) use statistics::{Statistics, Totals};
 use work::Work;
 
 /// How long a host may take from the reply to the creation of its publisher.
@@ -60,13 +62,18 @@ pub(crate) struct Session {
     states: StatePort,
     work: Mutex<Work>,
     id: u64,
+    /// The process that registered it.
+    client: Option<ProcessId>,
     mesh: Arc<Mesh>,
     precision: Precision,
     correction: CorrectionKind,
+    layout: PayloadLayout,
     phase: AtomicU8,
     /// Settings to take over before the next frame.
     settings: Mutex<Option<Settings>>,
     statistics: Mutex<Statistics>,
+    /// Those of all sessions.
+    totals: Arc<Totals>,
     last_ns: AtomicU64,
     had_host: AtomicBool,
     created: Instant,
@@ -79,26 +86,31 @@ impl Session {
         domain: &Domain,
         instance: u64,
         id: u64,
+        client: Option<ProcessId>,
         registered: Registered,
+        totals: Arc<Totals>,
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
-        let Registered { mesh, settings, precision, correction } = registered;
+        let Registered { mesh, settings, precision, correction, layout } = registered;
         let untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
-        let states = StatePort::create(node, instance, id, precision).map_err(internal)?;
-        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices())?;
-        let paths = PathsPort::create(node, instance, id).map_err(internal)?;
+        let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
+        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices(), layout)?;
+        let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
         let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths);
         Ok(Self {
             states,
             work: Mutex::new(work),
             id,
+            client,
             mesh,
             precision,
             correction,
+            layout,
             phase: AtomicU8::new(IDLE),
             settings: Mutex::new(None),
             statistics: Mutex::default(),
+            totals,
             last_ns: AtomicU64::new(0),
             had_host: AtomicBool::new(false),
             created: Instant::now(),
@@ -107,6 +119,15 @@ impl Session {
 
     pub(crate) fn id(&self) -> u64 {
         self.id
+    }
+
+    pub(crate) fn client(&self) -> Option<ProcessId> {
+        self.client
+    }
+
+    /// Whether no host has sent or could have sent a state yet.
+    pub(crate) fn is_waiting(&self) -> bool {
+        !self.had_host.load(Ordering::Relaxed)
     }
 
     pub(crate) fn mesh(&self) -> &Arc<Mesh> {
@@ -149,7 +170,7 @@ impl Session {
         if self.had_host.load(Ordering::Relaxed) {
             0
         } else {
-            limits::state_segment_bytes(self.mesh.num_vertices(), self.precision)
+            memory::state_segment_bytes(self.mesh.num_vertices(), self.precision, self.layout)
         }
     }
 
@@ -204,7 +225,8 @@ impl Session {
         if let Some(settings) = lock(&self.settings).take() {
             work.set_settings(settings);
         }
-        if let Some(header) = work.serve(&self.states, |header| lock(&self.statistics).record(header)) {
+        let record = |header: &_| lock(&self.statistics).record(header, &self.totals);
+        if let Some(header) = work.serve(&self.states, record) {
             self.last_ns.store(header.stage_ns[stage::TOTAL], Ordering::Relaxed);
         }
     }

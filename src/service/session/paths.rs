@@ -5,7 +5,7 @@ use iceoryx2::{
     prelude::{AllocationStrategy, Node, PortFactory},
 };
 use untangled_proto::{
-    limits,
+    memory::{PayloadLayout, paths_sample_bytes},
     names::{self, SessionService},
     paths::{PathPoint, PathRecord, PathsHeader, path_type},
 };
@@ -19,23 +19,26 @@ use untangle::paths::{IntersectionPaths, PathCopy, PathType};
 use super::publish::pair_index;
 use crate::service::{error::ServeError, throttle::Throttle};
 
-/// Samples that there may be at a time: buffered or borrowed by each subscriber, and the one being written.
-const NUM_CHUNKS: u64 = ((1 + limits::PATHS_BORROWED) * limits::PATHS_SUBSCRIBERS + 1) as u64;
-
 /// A session's paths service. It has no publisher, and costs nothing per frame, until there is a subscriber.
 #[derive(Debug)]
 pub(crate) struct PathsPort {
     publisher: Option<Publisher<Ipc, [u8], PathsHeader>>,
     bytes: Vec<u8>,
+    layout: PayloadLayout,
     service: PathsService,
 }
 
 impl PathsPort {
-    pub(crate) fn create(node: &Node<Ipc>, instance: u64, session: u64) -> Result<Self, ServeError> {
+    pub(crate) fn create(
+        node: &Node<Ipc>,
+        instance: u64,
+        session: u64,
+        layout: PayloadLayout,
+    ) -> Result<Self, ServeError> {
         let name = names::session(instance, session, SessionService::Paths);
-        let service = services::create_paths(node, &name)
+        let service = services::create_paths(node, &name, layout)
             .map_err(|error| ServeError::transport("creating the paths service", &error))?;
-        Ok(Self { publisher: None, bytes: Vec::new(), service })
+        Ok(Self { publisher: None, bytes: Vec::new(), layout, service })
     }
 
     /// Publishes the paths of a frame, if there is a subscriber.
@@ -54,9 +57,10 @@ impl PathsPort {
 
     fn try_publish(&mut self, frame: u64, paths: &IntersectionPaths) -> Result<(), ServeError> {
         let header = encode(frame, paths, &mut self.bytes);
-        let needed = (self.bytes.len() as u64 * 2).saturating_mul(NUM_CHUNKS);
+        // Times 2, since samples grow by powers of two. Only the pages that are written to are taken.
+        let needed = paths_sample_bytes(2 * self.bytes.len(), self.layout);
         if memory::free().is_ok_and(|free| free < needed) {
-            return Err(ServeError::transport("loaning a sample", &"shared memory is full"));
+            return Err(ServeError::NoRoom { what: "loaning a sample" });
         }
         let publisher = match &mut self.publisher {
             Some(publisher) => publisher,

@@ -6,7 +6,7 @@ use iceoryx2::{
     sample::Sample,
 };
 use untangled_proto::{
-    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection,
+    CorrectionHeader, PayloadLayout, PositionF32, PositionF64, Precision, StateHeader, Status, VertexCorrection,
     names::{self, SessionService},
 };
 use untangled_transport::{
@@ -45,11 +45,12 @@ impl StatePort {
         instance: u64,
         session: u64,
         precision: Precision,
+        layout: PayloadLayout,
     ) -> Result<Self, ServeError> {
         let name = names::session(instance, session, SessionService::State);
         Ok(match precision {
-            Precision::F32 => Self::F32(Subscription::create(node, &name)?),
-            Precision::F64 => Self::F64(Subscription::create(node, &name)?),
+            Precision::F32 => Self::F32(Subscription::create(node, &name, layout)?),
+            Precision::F64 => Self::F64(Subscription::create(node, &name, layout)?),
         })
     }
 
@@ -85,8 +86,8 @@ impl StatePort {
 }
 
 impl<P: Position> Subscription<P> {
-    fn create(node: &Node<Ipc>, name: &str) -> Result<Self, ServeError> {
-        let service = P::create_states(node, name)
+    fn create(node: &Node<Ipc>, name: &str, layout: PayloadLayout) -> Result<Self, ServeError> {
+        let service = P::create_states(node, name, layout)
             .map_err(|error| ServeError::transport("creating the state service", &error))?;
         let subscriber = service
             .subscriber_builder()
@@ -134,14 +135,16 @@ impl CorrectionPort {
         instance: u64,
         session: u64,
         num_vertices: usize,
+        layout: PayloadLayout,
     ) -> Result<Self, Refusal> {
-        let failed =
-            |what, error: &dyn std::fmt::Debug| Refusal::new(Status::Internal, format_args!("{what}: {error:?}"));
+        let failed = |what, error: &dyn std::fmt::Debug| {
+            Refusal::new(Status::Internal, format_args!("{what} failed: iceoryx2 reports {error:?}"))
+        };
         let name = |service| names::session(instance, session, service);
         let event = services::create_session_event(node, &name(SessionService::Event))
             .map_err(|error| failed("creating the session's event", &error))?;
         let notifier = event.notifier_builder().create().map_err(|error| failed("creating a notifier", &error))?;
-        let service = services::create_corrections(node, &name(SessionService::Correction))
+        let service = services::create_corrections(node, &name(SessionService::Correction), layout)
             .map_err(|error| failed("creating the correction service", &error))?;
         let publisher = service
             .publisher_builder()
@@ -154,7 +157,7 @@ impl CorrectionPort {
                 Status::NotEnoughMemory,
                 format_args!("{} has no room for the session's corrections: {error}", memory::FOLDER),
             ),
-            _ => failed("taking shared memory", &error),
+            _ => Refusal::new(Status::Internal, format_args!("taking shared memory: {error}")),
         })?;
         Ok(Self { publisher, notifier, _service: service, _event: event })
     }

@@ -22,7 +22,7 @@ const _: () = assert!(
     "flags on the wire are those of the library"
 );
 
-/// The header for a frame that can't be used.
+/// The header for a frame that can't be used, or that a limit ended before its intersections were found.
 pub(crate) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFault) -> CorrectionHeader {
     CorrectionHeader {
         frame: state.frame,
@@ -30,6 +30,10 @@ pub(crate) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFau
         dt_s: state.dt_s,
         status: fault.status.code(),
         kind: kind as u32,
+        flags: match fault.status {
+            Status::TooManyIntersections | Status::OutOfTime => TRUNCATED,
+            _ => 0,
+        },
         fault_index: fault.index,
         fault_value: fault.value,
         ..CorrectionHeader::default()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use untangle::{mesh::Mesh, settings::Settings};
-use untangled_proto::{CorrectionKind, Precision};
+use untangled_proto::{CorrectionKind, PayloadLayout, Precision};
 
 /// The content of a registration, validated.
 #[derive(Debug)]
@@ -16,4 +16,6 @@ pub struct Registered {
     pub precision: Precision,
     /// What corrections shall be.
     pub correction: CorrectionKind,
+    /// How the samples of the session lie in shared memory.
+    pub layout: PayloadLayout,
 }

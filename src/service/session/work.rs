@@ -8,13 +8,14 @@ use std::{
 
 use untangle::{
     frame::Frame,
+    intersect::SearchEnd,
     mesh::Mesh,
     settings::Settings,
     untangler::{Outcome, Untangler},
 };
 use untangled_proto::{
     CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
-    correction::{NO_FAULT, stage},
+    correction::{NO_FAULT, TRUNCATED, stage},
 };
 
 use super::{
@@ -91,7 +92,13 @@ impl Work {
         self.count_skipped(state.frame);
         let Self { corrections: port, paths, untangler, frame, mesh, correction: kind, .. } = self;
         let checked = read.and_then(|()| ingest::check_header(state, mesh.num_vertices()));
+        let settings = untangler.settings();
+        let limits = FrameLimits {
+            max_face_pairs: settings.max_face_pairs(mesh.num_faces()),
+            deadline_us: settings.deadline_us,
+        };
         let outcome = checked.and_then(|()| process_guarded(untangler, frame, clock).ok_or(PANICKED));
+        let outcome = outcome.and_then(|outcome| limits.check(outcome));
         clock.begin_index(stage::PUBLISH);
         let mut header = match &outcome {
             Ok(outcome) => publish::header(state, *kind, outcome),
@@ -136,6 +143,26 @@ impl Work {
     }
 }
 
+/// What may end a frame before its intersections are found.
+#[derive(Clone, Copy, Debug)]
+struct FrameLimits {
+    max_face_pairs: u64,
+    deadline_us: Option<u64>,
+}
+
+impl FrameLimits {
+    /// The outcome, if everything that intersects was found.
+    #[expect(clippy::cast_precision_loss, reason = "only for messages")]
+    fn check(self, outcome: Outcome<'_>) -> Result<Outcome<'_>, StateFault> {
+        let ended = |status, limit: u64| Err(StateFault { status, index: NO_FAULT, value: limit as f64 });
+        match outcome.search {
+            SearchEnd::Complete => Ok(outcome),
+            SearchEnd::TooManyPairs => ended(Status::TooManyIntersections, self.max_face_pairs),
+            SearchEnd::OutOfTime => ended(Status::OutOfTime, self.deadline_us.unwrap_or_default()),
+        }
+    }
+}
+
 /// Processes a frame; nothing if that panicked. A defect that one mesh brings out must not end the sessions of other
 /// hosts.
 fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &mut StageClock) -> Option<Outcome<'a>> {
@@ -148,7 +175,19 @@ fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &m
 }
 
 fn log_frame(session: u64, header: &CorrectionHeader) {
-    if header.status != Status::Ok.code() {
+    if header.flags & TRUNCATED != 0 && header.status != Status::Ok.code() {
+        static ENDED: Throttle = Throttle::new();
+        if let Some(num_suppressed) = ENDED.admit() {
+            let (frame, limit) = (header.frame, header.fault_value);
+            if header.status == Status::OutOfTime.code() {
+                let message = "frame not analysed: time was up before its intersections were found (deadline_us)";
+                tracing::warn!(session, frame, limit, num_suppressed, "{message}");
+            } else {
+                let message = "frame not analysed: too many faces intersect (max_face_pairs, max_tested_pairs)";
+                tracing::warn!(session, frame, limit, num_suppressed, "{message}");
+            }
+        }
+    } else if header.status != Status::Ok.code() {
         static REFUSED: Throttle = Throttle::new();
         if let Some(num_suppressed) = REFUSED.admit() {
             tracing::info!(

@@ -117,7 +117,7 @@ static void frames(untangled_client client, untangled_session session) {
     positions[7] = NAN;
     EXPECT(UNTANGLED_OK, untangled_send_frame(session, &frame));
     EXPECT(UNTANGLED_FRAME_REFUSED, untangled_wait(session, frame, 60000000, &none));
-    SAYS("vertex Some(2)");
+    SAYS("vertex 2 (counted from 0)");
     EXPECT(UNTANGLED_FRAME_REFUSED, untangled_exchange(session, 0, -1.0, flat, 4, 60000000, &none));
 
     /* Three are lent at a time; each is given back once. */

@@ -9,12 +9,12 @@ use iceoryx2::{
     prelude::{CallbackProgression, EventId, Node, PortFactory, SignalHandlingMode},
     service::builder::request_response::RequestResponseOpenError as Open,
 };
-use untangled_proto::{ICEORYX2_VERSION, names};
+use untangled_proto::{ICEORYX2_VERSION, PayloadLayout, names};
 use untangled_transport::{
     Domain,
     lock::WipeOnLeave,
     memory, node,
-    services::{self, Control, Event, Ipc},
+    services::{self, Event, Ipc, Requests},
 };
 
 use crate::error::{ConnectError, RequestError};
@@ -27,7 +27,9 @@ pub(crate) const RETRY: Duration = Duration::from_millis(10);
 pub(crate) struct Connection {
     // Dropped in this order, ports before services before the node: each needs the next one for its own cleanup.
     notifier: Notifier<Ipc>,
-    pub(crate) control: Control,
+    pub(crate) requests: Requests,
+    /// How the samples of what is asked for there lie in shared memory.
+    pub(crate) layout: PayloadLayout,
     pub(crate) replies: Event,
     pub(crate) node: Node<Ipc>,
     pub(crate) domain: Domain,
@@ -40,7 +42,7 @@ impl Connection {
     pub(crate) fn open(domain: &Domain, config: &Config, timeout: Duration) -> Result<Self, ConnectError> {
         // Without a daemon there may be no folder, and a client creates none; or a daemon is about to wipe it.
         if !domain.is_announced() {
-            return Err(no_daemon(domain).into());
+            return Err(RequestError::no_daemon(domain).into());
         }
         domain.check_folders()?;
         // iceoryx2 would wait beyond any deadline for a segment that a killed daemon left unfinished. A running daemon
@@ -48,9 +50,9 @@ impl Connection {
         let _ = memory::remove_unfinished(domain, memory::UNFINISHED_AGE);
         let node = node::create(config, SignalHandlingMode::Disabled)
             .map_err(|error| RequestError::transport("creating a node", &error))?;
-        let control = open_control(&node, domain)?;
-        if server(&control).is_none() {
-            return Err(no_daemon(domain).into());
+        let (requests, layout) = open_requests(&node, domain)?;
+        if server(&requests).is_none() {
+            return Err(RequestError::no_daemon(domain).into());
         }
         let notifier = services::open_event(&node, names::CONTROL)
             .map_err(|error| RequestError::transport("opening the control event", &error))?
@@ -61,7 +63,7 @@ impl Connection {
         let replies = services::open_event(&node, names::REPLY)
             .map_err(|error| RequestError::transport("opening the reply event", &error))?;
         let _wipe = WipeOnLeave(domain.clone());
-        Ok(Self { notifier, control, replies, node, domain: domain.clone(), timeout, _wipe })
+        Ok(Self { notifier, requests, layout, replies, node, domain: domain.clone(), timeout, _wipe })
     }
 
     /// Wakes the daemon.
@@ -74,28 +76,26 @@ impl Connection {
 
     /// The daemon's server. The server of a killed daemon counts until it is cleaned up.
     pub(crate) fn server(&self) -> Option<UniqueServerId> {
-        server(&self.control)
+        server(&self.requests)
     }
 }
 
-fn no_daemon(domain: &Domain) -> RequestError {
-    RequestError::NoDaemon { domain: domain.name().to_owned() }
-}
-
-fn open_control(node: &Node<Ipc>, domain: &Domain) -> Result<Control, ConnectError> {
-    services::open_control(node).map_err(|error| match error {
-        Open::DoesNotExist | Open::IsMarkedForDestruction | Open::HangsInCreation => no_daemon(domain).into(),
+fn open_requests(node: &Node<Ipc>, domain: &Domain) -> Result<(Requests, PayloadLayout), ConnectError> {
+    services::open_requests(node).map_err(|error| match error {
+        Open::DoesNotExist | Open::IsMarkedForDestruction | Open::HangsInCreation => {
+            RequestError::no_daemon(domain).into()
+        }
         Open::VersionMismatch | Open::ServiceInCorruptedState => ConnectError::Version {
             domain: domain.name().to_owned(),
             reason: format!("this client has iceoryx2 {ICEORYX2_VERSION}, the daemon another version ({error:?})"),
         },
-        error => RequestError::transport("opening the control service", &error).into(),
+        error => RequestError::transport("opening the service for requests", &error).into(),
     })
 }
 
-fn server(control: &Control) -> Option<UniqueServerId> {
+fn server(requests: &Requests) -> Option<UniqueServerId> {
     let mut id = None;
-    control.dynamic_config().list_servers(|server| {
+    requests.dynamic_config().list_servers(|server| {
         id = Some(server.server_id);
         CallbackProgression::Stop
     });

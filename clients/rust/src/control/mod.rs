@@ -1,11 +1,11 @@
 //! The connection to a daemon, and requests on it.
 
 mod connection;
-mod memory;
 mod poll;
 mod request;
+mod room;
 
 pub(crate) use connection::{Connection, RETRY};
-pub(crate) use memory::{check_memory, commit_memory};
 pub(crate) use poll::{Backoff, SLICE};
 pub(crate) use request::{Pending, Reply};
+pub(crate) use room::{check_memory, commit_memory};

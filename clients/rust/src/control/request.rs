@@ -7,13 +7,13 @@ use iceoryx2::{
     pending_response::PendingResponse,
     port::{client::Client as RequestPort, listener::Listener},
 };
-use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, limits, names};
+use untangled_proto::{PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status, memory, names};
 use untangled_transport::services::Ipc;
 
 use super::{
     connection::Connection,
-    memory::{check_memory, commit_memory},
     poll::Backoff,
+    room::{check_memory, commit_memory},
 };
 use crate::error::RequestError;
 
@@ -45,10 +45,8 @@ impl Pending {
         payload: &[u8],
         num_sections: u32,
     ) -> Result<Self, RequestError> {
-        let server = connection
-            .server()
-            .ok_or_else(|| RequestError::NoDaemon { domain: connection.domain.name().to_owned() })?;
-        let needed = limits::request_segment_bytes(payload.len());
+        let server = connection.server().ok_or_else(|| RequestError::no_daemon(&connection.domain))?;
+        let needed = memory::request_segment_bytes(payload.len(), connection.layout);
         check_memory(needed)?;
         // Listening begins before the request leaves, so that the reply's event can't be missed.
         let listener = connection
@@ -57,9 +55,11 @@ impl Pending {
             .create()
             .map_err(|error| RequestError::transport("creating a listener", &error))?;
         let port = connection
-            .control
+            .requests
             .client_builder()
             .initial_max_slice_len(payload.len().max(1))
+            // It sends one request.
+            .override_request_preallocation(|_| memory::REQUEST_SAMPLES)
             .create()
             .map_err(|error| RequestError::transport("creating a request port", &error))?;
         commit_memory(&connection.domain, port.id().value(), needed)?;
@@ -96,7 +96,7 @@ impl Pending {
             }
             // Another server is another daemon, which has not seen the request.
             if connection.server() != Some(self.server) {
-                return Err(RequestError::NoDaemon { domain: connection.domain.name().to_owned() });
+                return Err(RequestError::no_daemon(&connection.domain));
             }
             backoff.sleep(&self.listener, left);
         }

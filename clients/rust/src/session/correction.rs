@@ -1,7 +1,7 @@
 //! A correction, read in place in shared memory.
 
 use iceoryx2::sample::Sample;
-use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT};
+use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, limits};
 use untangled_transport::services::Ipc;
 
 use super::paths::{Paths, PathsSample};
@@ -18,6 +18,18 @@ pub struct Correction {
     paths: Option<PathsSample>,
 }
 
+/// The field of a state's header that the daemon could not use: the first of those that it checks, which a correction
+/// repeats.
+fn field_at_fault(header: &CorrectionHeader) -> &'static str {
+    if !(limits::MIN_DT_S..=limits::MAX_DT_S).contains(&header.dt_s) {
+        "dt_s"
+    } else if header.simulated_s.is_finite() {
+        "num_vertices"
+    } else {
+        "simulated_s"
+    }
+}
+
 impl Correction {
     /// A sample as a correction, if the daemon could use the frame.
     pub(crate) fn new(sample: CorrectionSample, paths: Option<PathsSample>) -> Result<Self, FrameRefusal> {
@@ -30,6 +42,7 @@ impl Correction {
             status: Status::from_code(header.status).unwrap_or(Status::Internal),
             fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
             fault_value: header.fault_value,
+            header_field: (header.status == Status::BadHeader.code()).then(|| field_at_fault(&header)),
         })
     }
 

@@ -7,7 +7,7 @@ use iceoryx2::{
     prelude::{Node, PortFactory},
 };
 use untangled_proto::{
-    CorrectionHeader, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    CorrectionHeader, PayloadLayout, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
     names::{self, SessionService},
 };
 use untangled_transport::{
@@ -37,6 +37,7 @@ pub(crate) struct Link {
     pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) paths: Option<PathsPort>,
+    pub(crate) opened: Instant,
     /// When the daemon's process was last checked.
     pub(crate) checked: Instant,
     service: CorrectionService,
@@ -49,8 +50,9 @@ impl Link {
         domain: &Domain,
         reply: &Reply,
         registration: &Registration,
+        layout: PayloadLayout,
     ) -> Result<Self, RequestError> {
-        let needed = registration.state_segment_bytes();
+        let needed = registration.state_segment_bytes(layout);
         check_memory(needed)?;
         let session = reply.header.session;
         let name = |service| names::session(reply.header.instance, session, service);
@@ -80,7 +82,8 @@ impl Link {
         };
         commit_memory(domain, port_id, needed)?;
         let states = Arc::new(states);
-        Ok(Self { session, states, corrections, listener, paths, checked: Instant::now(), service })
+        let opened = Instant::now();
+        Ok(Self { session, states, corrections, listener, paths, opened, checked: opened, service })
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.

@@ -168,7 +168,7 @@ impl Session {
         let session = match self.link.live(deadline) {
             Ok(link) => link.session,
             Err(PublishError::Request(error)) => return Err(error),
-            Err(_) => return Err(RequestError::NoDaemon { domain: self.link.connection().domain.name().to_owned() }),
+            Err(_) => return Err(RequestError::no_daemon(&self.link.connection().domain)),
         };
         let document = settings_bytes(&settings).unwrap_or_else(|| b"{}".to_vec());
         let (payload, num_sections) = SectionWriter::default().bytes(id::SETTINGS, document).finish();

@@ -31,6 +31,11 @@ pub(crate) struct ReconnectingLink {
     connection: Arc<Connection>,
 }
 
+/// After this time the daemon has seen the ports of a session: it looks twice a second.
+const SEEN: Duration = Duration::from_secs(1);
+/// Longest wait for the reply to the request that closes a session. Without one the daemon closes it by itself.
+const CLOSE: Duration = Duration::from_millis(20);
+
 #[derive(Debug)]
 enum State {
     Live(Box<Link>),
@@ -46,7 +51,7 @@ impl ReconnectingLink {
         let attempt = || {
             let pending = Pending::send(&connection, RequestKind::Register, 0, &payload, num_sections)?;
             let reply = pending.wait(&connection, deadline)?;
-            Link::open(&connection.node, &connection.domain, &reply, &registration)
+            Link::open(&connection.node, &connection.domain, &reply, &registration, connection.layout)
         };
         let link = loop {
             match attempt() {
@@ -139,7 +144,8 @@ impl ReconnectingLink {
     }
 
     fn open_link(&mut self, reply: &Reply) -> Result<(), PublishError> {
-        let link = Link::open(&self.connection.node, &self.connection.domain, reply, &self.registration);
+        let connection = &self.connection;
+        let link = Link::open(&connection.node, &connection.domain, reply, &self.registration, connection.layout);
         self.state = State::Lost;
         match link {
             // That daemon is gone as well.
@@ -154,6 +160,13 @@ impl ReconnectingLink {
 
 impl Drop for ReconnectingLink {
     fn drop(&mut self) {
+        // The daemon may not have seen the ports of a young session, and would wait for them.
+        let young = self.current().filter(|link| link.opened.elapsed() < SEEN).map(|link| link.session);
+        if let Some(session) = young
+            && let Ok(pending) = Pending::send(&self.connection, RequestKind::Close, session, &[], 0)
+        {
+            let _ = pending.poll(&self.connection, Instant::now() + CLOSE);
+        }
         self.state = State::Lost;
         // The daemon checks its sessions whenever it is woken.
         self.connection.wake(names::EVENT_STATE);

@@ -12,6 +12,8 @@ pub struct Polygons {
     corners: Vec<u32>,
     /// For each corner its texture coordinate or [`NO_UV`].
     uv_corners: Vec<u32>,
+    /// Corners without texture coordinates; counted, since each polygon asks.
+    num_without_uv: usize,
 }
 
 impl Polygons {
@@ -46,7 +48,7 @@ impl Polygons {
     }
 
     fn has_uvs(&self) -> bool {
-        !self.uv_corners.is_empty() && !self.uv_corners.contains(&NO_UV)
+        !self.uv_corners.is_empty() && self.num_without_uv == 0
     }
 
     fn range(&self, polygon: usize) -> std::ops::Range<usize> {
@@ -64,11 +66,13 @@ impl Polygons {
     pub(crate) fn push_corner(&mut self, vertex: u32, uv: u32) {
         self.corners.push(vertex);
         self.uv_corners.push(uv);
+        self.num_without_uv += usize::from(uv == NO_UV);
     }
 
     /// Gives every corner the texture coordinate with the index of its vertex.
     pub(crate) fn use_vertices_as_uvs(&mut self) {
         self.uv_corners.clone_from(&self.corners);
+        self.num_without_uv = 0;
     }
 
     /// Ends the polygon that is being built and returns its number of corners.

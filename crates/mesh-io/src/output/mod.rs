@@ -2,6 +2,7 @@
 
 mod obj;
 mod ply;
+mod read_back;
 
 use std::{
     io::Write,
@@ -74,14 +75,16 @@ impl<'a> Output<'a> {
     /// # Errors
     /// [`WriteError`].
     pub fn write(&self, positions: &[[f64; 3]], out: &mut dyn Write) -> Result<(), WriteError> {
-        let expected = self.files.iter().map(|file| file.positions().len()).sum();
-        if positions.len() != expected {
-            return Err(WriteError::Length { given: positions.len(), expected });
-        }
+        self.check_length(positions)?;
         match (self.patched(), self.format) {
             (Some(file), _) => file.write_for(positions, &self.path, out),
             (None, FileFormat::Ply) => Ok(write_ply(self.files, positions, out)?),
             (None, _) => write_obj(self.files, positions, out),
         }
+    }
+
+    fn check_length(&self, positions: &[[f64; 3]]) -> Result<(), WriteError> {
+        let (given, expected) = (positions.len(), self.files.iter().map(|file| file.positions().len()).sum());
+        if given == expected { Ok(()) } else { Err(WriteError::Length { given, expected }) }
     }
 }

@@ -1,6 +1,7 @@
 //! Files as a user has them: read, refused, and written back.
 
 mod damage;
+mod gltf;
 mod obj;
 mod parts;
 mod ply;

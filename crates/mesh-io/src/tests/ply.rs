@@ -1,7 +1,9 @@
 //! PLY files.
 
+use std::path::Path;
+
 use super::{ASCII_PLY, binary_ply, read, refusal, written};
-use crate::concatenate;
+use crate::{Output, concatenate};
 
 #[test]
 fn write_with_positions_of_ascii_ply_keeps_unknown_elements() {
@@ -90,4 +92,89 @@ fn write_with_positions_of_single_precision_ply_rounds_to_singles() {
     integers.write_with_positions(&positions, &mut Vec::new()).unwrap();
     let refused = integers.write_with_positions(&moved, &mut Vec::new()).unwrap_err().to_string();
     assert!(refused.starts_with("vertex 1 can't be moved"), "{refused}");
+}
+
+/// Two elements `vertex`, singles and then doubles; the first has texture coordinates.
+fn two_vertex_elements(encoding: &str, second: &str) -> Vec<u8> {
+    let mut file = format!(
+        "ply\nformat {encoding} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+         property float s\nproperty float t\nelement vertex 3\nproperty {second} z\nproperty {second} y\n\
+         property {second} x\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    let is_text = encoding == "ascii";
+    let big = encoding == "binary_big_endian";
+    let mut push = |value: f32, scalar: &str| {
+        let mut bytes = match scalar {
+            "double" => f64::from(value).to_le_bytes().to_vec(),
+            #[expect(clippy::cast_possible_truncation)]
+            "int" => (value as i32).to_le_bytes().to_vec(),
+            _ => value.to_le_bytes().to_vec(),
+        };
+        if big {
+            bytes.reverse();
+        }
+        file.extend(if is_text { format!("{value} ").into_bytes() } else { bytes });
+    };
+    for value in [0., 0., 0., 0., 0., 1., 0., 0., 1., 0., 0., 1., 0., 0., 1.] {
+        push(value, "float");
+    }
+    for value in [5., 0., 0., 5., 1., 0., 5., 0., 1.] {
+        push(value, second);
+    }
+    for face in [[0i32, 1, 2], [3, 4, 5]] {
+        let words = face.map(|corner| if big { corner.to_be_bytes() } else { corner.to_le_bytes() });
+        let text = format!("\n3 {} {} {}", face[0], face[1], face[2]).into_bytes();
+        file.extend(if is_text { text } else { [&[3u8], words.as_flattened()].concat() });
+    }
+    file
+}
+
+#[test]
+fn write_with_positions_of_two_vertex_elements_uses_the_types_of_each() {
+    for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        let file = read("a.ply", &two_vertex_elements(encoding, "double")).unwrap();
+        assert!(!file.is_single_precision() && file.fixed_vertices().is_empty());
+        assert_eq!(file.positions()[4], [0., 1., 5.]);
+        let mut moved = file.positions().to_vec();
+        moved[1] = [1.1, -0.2, 0.3];
+        moved[4] = [0.1, 1.2, -5.3];
+        let output = Output::new(std::slice::from_ref(&file), Path::new("a.ply")).unwrap();
+        let again = read("a.ply", &written(&file, &moved)).unwrap();
+        let single = [f64::from(1.1f32), f64::from(-0.2f32), f64::from(0.3f32)];
+        assert_eq!((again.positions()[1], again.positions()[4]), (single, moved[4]), "{encoding}");
+        assert_eq!(output.stored_positions(&moved).unwrap(), again.positions());
+        output.check_read_back(&moved, &again).unwrap();
+
+        // Only the vertices of whole numbers are fixed.
+        let file = read("a.ply", &two_vertex_elements(encoding, "int")).unwrap();
+        assert_eq!(file.fixed_vertices(), [(3..6, "its coordinates are integers")]);
+        let mut moved = file.positions().to_vec();
+        moved[1][2] = 0.25;
+        assert_eq!(read("a.ply", &written(&file, &moved)).unwrap().positions(), moved);
+        moved[3][0] = 0.25;
+        let refused = file.write_with_positions(&moved, &mut Vec::new()).unwrap_err().to_string();
+        assert_eq!(refused, "vertex 3 can't be moved in this file: its coordinates are integers");
+    }
+}
+
+#[test]
+fn check_read_back_names_the_first_difference() {
+    let file = read("a.ply", ASCII_PLY.as_bytes()).unwrap();
+    let output = Output::new(std::slice::from_ref(&file), Path::new("a.ply")).unwrap();
+    let refusal = |meant: &[[f64; 3]], edit: [&str; 2]| {
+        let text = ASCII_PLY.replace(edit[0], edit[1]);
+        let read = read("a.ply", text.as_bytes()).unwrap();
+        output.check_read_back(meant, &read).map_err(|error| error.to_string()).err()
+    };
+    let words = |what: &str| Some(format!("what was written does not read back as it was meant: {what}"));
+    assert_eq!(refusal(file.positions(), ["", ""]), None);
+    let mut meant = file.positions().to_vec();
+    meant[3][0] = -0.0;
+    let differs = "vertex 3 (from 0) was written at (-0, 1, 0.1), and is read at (0, 1, 0.1)";
+    assert_eq!(refusal(&meant, ["", ""]), words(differs));
+    let corners = "face 0 (from 0) has other corners";
+    assert_eq!(refusal(file.positions(), ["4 0 1 2 3 8", "4 0 1 3 2 8"]), words(corners));
+    let faces = "2 faces were written, 1 are read";
+    assert_eq!(refusal(file.positions(), ["element face 2", "element face 1"]), words(faces));
 }

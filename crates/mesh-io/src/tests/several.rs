@@ -24,6 +24,7 @@ fn write_obj_and_write_ply_of_several_files_read_back_as_their_world() {
     for (name, bytes) in [("both.obj", obj), ("both.ply", ply)] {
         let both = read(name, &bytes).unwrap();
         assert_eq!(both.positions(), positions);
+        Output::new(&files, std::path::Path::new(name)).unwrap().check_read_back(&positions, &both).unwrap();
         assert_eq!(both.faces(), world.description.faces);
         assert_eq!(both.polygons().corners(0), [0, 1, 2, 3]);
         let again = concatenate(&[both]).unwrap().description.uvs.unwrap();

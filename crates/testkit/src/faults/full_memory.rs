@@ -1,5 +1,5 @@
-//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 96 MB
-//! of shared memory.
+//! A `/dev/shm` that is too small: a refusal in words, never SIGBUS. Runs in a mount namespace of its own, with 64 MiB
+//! of shared memory, as containers have it.
 
 use std::{
     io::Write,
@@ -8,11 +8,11 @@ use std::{
 };
 
 use rustix::process::Signal;
-use untangled_client::{Client, RegisterError, RequestError, Session, Status};
+use untangled_client::{Client, RegisterError, Registration, RequestError, Session, Status};
 use untangled_transport::memory;
 
 use super::row::Row;
-use crate::process::{KnownCloth, Programs, TestDomain, eventually};
+use crate::process::{KnownCloth, Programs, TestDomain, eventually, sheet};
 
 /// What the inner process says when all went well.
 const DONE: &str = "full-memory: ";
@@ -24,7 +24,7 @@ pub fn full_memory(program: Command) -> Option<Row> {
     if !rustix::process::getuid().is_root() {
         outer.args(["--user", "--map-root-user"]);
     }
-    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=96m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
+    outer.args(["--mount", "sh", "-c", "mount -t tmpfs -o size=64m tmpfs /dev/shm || exit 77; exec \"$0\" \"$@\""]);
     outer.arg(program.get_program()).args(program.get_args());
     outer.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
     // In the namespace this user is root, but root's own folder of domains is not this user's to make.
@@ -57,9 +57,12 @@ pub fn full_memory_main(programs: Programs) {
     let domain = TestDomain::new();
     let mut daemon = programs.start_daemon(&domain);
     let client = domain.connect();
-    let cloth = KnownCloth::new(5000);
-    let huge = KnownCloth::new(100_000);
-    let (mut sessions, mut num_refused) = fill_with_sessions(&client, &cloth, &huge);
+    let garment = KnownCloth::new(40_000);
+    let mut session = client.register(garment.registration()).expect("a session of 40,000 vertices fits");
+    assert!(garment.is_right(&garment.exchange(&mut session, Duration::from_secs(30)).expect("an answer")));
+    drop(session);
+    let cloth = KnownCloth::new(10_000);
+    let (mut sessions, mut num_refused) = fill_with_sessions(&client, &cloth, &sheet(720));
     assert!(!sessions.is_empty() && num_refused > 1, "the test shows nothing");
     let filler = take_every_page();
     let mut num_frames = 0;
@@ -88,10 +91,10 @@ pub fn full_memory_main(programs: Programs) {
 
 /// Registers a huge cloth, which is refused, and a small one in turns, until that is refused too; returns the open
 /// sessions and the number of refusals.
-fn fill_with_sessions(client: &Client, cloth: &KnownCloth, huge: &KnownCloth) -> (Vec<Session>, u64) {
+fn fill_with_sessions(client: &Client, cloth: &KnownCloth, huge: &Registration) -> (Vec<Session>, u64) {
     let (mut sessions, mut num_refused) = (Vec::new(), 0);
     loop {
-        num_refused += u64::from(is_refused(client.register(huge.registration())));
+        num_refused += u64::from(is_refused(client.register(huge.clone())));
         match client.register(cloth.registration()) {
             Ok(session) => sessions.push(session),
             error => {

@@ -35,7 +35,12 @@ pub struct Daemon(Child);
 impl Daemon {
     /// Starts the built program in a domain, and shows its log where a test fails.
     pub fn start(domain: &TestDomain) -> Self {
-        Self::spawn(program::serve(domain), |_| true)
+        Self::start_as(program::serve(domain))
+    }
+
+    /// Starts a daemon by a command of the caller's, and shows its log where a test fails.
+    pub fn start_as(command: Command) -> Self {
+        Self::spawn(command, |_| true)
     }
 
     fn spawn(mut command: Command, is_shown: impl Fn(&str) -> bool + Send + 'static) -> Self {

@@ -12,7 +12,7 @@ use untangled_proto::{
     names::{self, SessionService},
     sections::{SectionWriter, id},
 };
-use untangled_transport::services::{self, Control, Ipc, Position};
+use untangled_transport::services::{self, Ipc, Position, Requests};
 
 use super::{PATIENCE, TestDomain};
 
@@ -41,7 +41,7 @@ pub fn session_service_name(domain: &TestDomain, session: u64, service: SessionS
 #[derive(Debug)]
 pub struct RawPeer {
     notifier: Notifier<Ipc>,
-    control: Control,
+    requests: Requests,
     node: Node<Ipc>,
 }
 
@@ -59,13 +59,13 @@ impl RawPeer {
     pub fn new(domain: &TestDomain) -> Self {
         let node = node(domain);
         let event = services::open_event(&node, names::CONTROL).expect("the daemon made it");
-        let control = services::open_control(&node).expect("the daemon made it");
-        Self { notifier: event.notifier_builder().create().expect("there is room for one more"), control, node }
+        let requests = services::open_requests(&node).expect("the daemon made it").0;
+        Self { notifier: event.notifier_builder().create().expect("there is room for one more"), requests, node }
     }
 
     /// Sends a request and waits for its reply; none is a lost reply.
     pub fn request(&self, header: RequestHeader, payload: &[u8]) -> Option<(ReplyHeader, Vec<u8>)> {
-        let port = self.control.client_builder().initial_max_slice_len(payload.len().max(1)).create().expect("a port");
+        let port = self.requests.client_builder().initial_max_slice_len(payload.len().max(1)).create().expect("a port");
         let mut request = port.loan_slice_uninit(payload.len()).expect("a loan");
         *request.user_header_mut() = header;
         let pending = request.write_from_slice(payload).send().expect("a server");

@@ -6,13 +6,13 @@
 use std::{
     fs::{File, OpenOptions},
     io::{Error, ErrorKind, Result},
-    os::unix::fs::MetadataExt,
+    os::unix::fs::{MetadataExt, OpenOptionsExt},
     path::Path,
     time::{Duration, Instant},
 };
 
 use rustix::{
-    fs::{FallocateFlags, fallocate},
+    fs::{FallocateFlags, OFlags, fallocate},
     io::Errno,
 };
 
@@ -37,11 +37,11 @@ pub fn commit(domain: &Domain, port_id: u128) -> Result<u64> {
 pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
     let port = port_id.to_string();
     let mut bytes = 0;
-    for (entry, name) in files(domain)? {
+    for (path, _, name) in files(domain)? {
         // Connections of the port have its id in their names as well; both sides write to them.
         if process_id::parts(&name).any(|part| part == port) {
-            match open_finished(&entry.path()) {
-                Ok(file) => bytes += commit_file(&file, &entry.path(), most)?,
+            match open_finished(&path) {
+                Ok(file) => bytes += commit_file(&file, &path, most)?,
                 // Other processes create and remove files meanwhile.
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
                 Err(error) => return Err(error),
@@ -55,8 +55,9 @@ pub fn commit_first(domain: &Domain, port_id: u128, most: u64) -> Result<u64> {
 /// moment.
 fn open_finished(path: &Path) -> Result<File> {
     let patience = Instant::now() + UNFINISHED_AGE;
+    let flags = OFlags::NOFOLLOW.bits().cast_signed();
     loop {
-        match OpenOptions::new().read(true).write(true).open(path) {
+        match OpenOptions::new().read(true).write(true).custom_flags(flags).open(path) {
             Err(error) if error.kind() == ErrorKind::PermissionDenied && Instant::now() < patience => {
                 std::thread::sleep(Duration::from_millis(1));
             }

@@ -1,9 +1,10 @@
 //! Files of a domain in shared memory: which there are, free space, and permissions.
 
 use std::{
-    fs::{DirEntry, Permissions},
+    fs::{Metadata, Permissions},
     io::{ErrorKind, Result},
     os::unix::fs::{MetadataExt, PermissionsExt},
+    path::PathBuf,
 };
 
 use crate::Domain;
@@ -11,15 +12,19 @@ use crate::Domain;
 /// The folder in which shared memory segments are files.
 pub const FOLDER: &str = "/dev/shm";
 
-/// The files of a domain, each with its name behind the domain's prefix. Names that are not UTF-8 are left out.
+/// The files of a domain that belong to this user, each with its name behind the domain's prefix. Names that are not
+/// UTF-8 are left out, and so are links: everybody can put one here.
 ///
 /// # Errors
 /// An I/O error of [`FOLDER`].
-pub(crate) fn files(domain: &Domain) -> Result<impl Iterator<Item = (DirEntry, String)>> {
+pub(crate) fn files(domain: &Domain) -> Result<impl Iterator<Item = (PathBuf, Metadata, String)>> {
     let prefix = domain.prefix();
+    let uid = rustix::process::getuid().as_raw();
     Ok(std::fs::read_dir(FOLDER)?.flatten().filter_map(move |entry| {
         let name = entry.file_name().to_str()?.strip_prefix(prefix)?.to_owned();
-        Some((entry, name))
+        // Other processes create and remove files meanwhile.
+        let metadata = entry.metadata().ok().filter(|metadata| metadata.is_file() && metadata.uid() == uid)?;
+        Some((entry.path(), metadata, name))
     }))
 }
 
@@ -38,10 +43,9 @@ pub fn free() -> Result<u64> {
 /// # Errors
 /// An I/O error of [`FOLDER`] or of a file in it.
 pub fn close_to_others(domain: &Domain) -> Result<()> {
-    for (entry, _) in files(domain)? {
-        let Ok(metadata) = entry.metadata() else { continue };
-        if metadata.is_file() && metadata.mode() & 0o077 != 0 {
-            match std::fs::set_permissions(entry.path(), Permissions::from_mode(metadata.mode() & 0o700)) {
+    for (path, metadata, _) in files(domain)? {
+        if metadata.mode() & 0o077 != 0 {
+            match std::fs::set_permissions(path, Permissions::from_mode(metadata.mode() & 0o700)) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
                 _ => {}
             }

@@ -28,16 +28,10 @@ const UNFINISHED: u32 = 0o200;
 /// An I/O error of [`FOLDER`](super::FOLDER).
 pub fn remove_unfinished(domain: &Domain, age: Duration) -> Result<usize> {
     let mut removed = 0;
-    for (entry, name) in files(domain)? {
-        // Other processes create and remove files meanwhile.
-        let Ok(metadata) = entry.metadata() else { continue };
+    for (path, metadata, name) in files(domain)? {
         let is_old = metadata.modified().is_ok_and(|written| written.elapsed().is_ok_and(|since| since >= age));
-        if metadata.is_file()
-            && metadata.mode() & 0o777 == UNFINISHED
-            && is_old
-            && process_id::in_name(&name).any(ProcessId::is_gone)
-        {
-            removed += usize::from(std::fs::remove_file(entry.path()).is_ok());
+        if metadata.mode() & 0o777 == UNFINISHED && is_old && process_id::in_name(&name).any(ProcessId::is_gone) {
+            removed += usize::from(std::fs::remove_file(path).is_ok());
         }
     }
     Ok(removed)

@@ -45,3 +45,11 @@ pub struct Intersections {
     /// One for each intersecting pair of faces, sorted by the pair.
     pub segments: Vec<Segment>,
 }
+
+impl Intersections {
+    /// Forgets all of them.
+    pub(super) fn clear(&mut self) {
+        self.edge_face.clear();
+        self.segments.clear();
+    }
+}

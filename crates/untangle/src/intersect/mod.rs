@@ -9,7 +9,8 @@
 //! - `bvh`: broad phase, pairs of faces whose boxes overlap or come within a margin;
 //! - `filter`: separating-axis test of pairs and injectivity test of vertex stars, in floating point with error bounds;
 //! - `exact`: narrow phase, signs for what the filters leave open;
-//! - `search`: the three of them in a row, for one share of a frame;
+//! - `search`: the three of them in a row, for one share of a frame, batch by batch;
+//! - `limits`: rounds, after each of which the search ends where limits or time are exceeded;
 //! - `cache`: certificates that faces are separated, kept from frame to frame until they expire;
 //! - `intersector`: the driver, which shares out the work and sorts what is found.
 
@@ -20,6 +21,7 @@ mod exact;
 mod filter;
 mod intersections;
 mod intersector;
+mod limits;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -27,3 +29,4 @@ mod tests;
 pub use exact::do_intersect;
 pub use intersections::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd};
 pub use intersector::Intersector;
+pub use limits::{SearchEnd, SearchLimits};

@@ -166,7 +166,8 @@ impl Stars {
             let lane = || rings.batch(0).numbers.iter().position(|&of| of as usize == number).unwrap();
             let is_injective_in_single = self.closed && in_single >> lane() & 1 == 1;
             let mut intersects = false;
-            star.contacts(&self.mesh, &frame, ring.centre, &mut |_, _| intersects = true);
+            star.load(&self.mesh, &frame, ring.centre);
+            star.test(&self.mesh, usize::MAX, &mut |_, _| intersects = true);
             let is_proven = is_injective || is_injective_in_single;
             assert!(!(intersects && is_proven), "{} spokes, {number}: {positions:?}", self.num_spokes);
             counts[if intersects { 0 } else { 1 + usize::from(is_injective) }] += 1;

@@ -6,18 +6,22 @@
 //! targets and skins are not applied; points and lines are left out. Coordinates are stored in single precision; the
 //! transforms of nodes are applied in double.
 //!
+//! The document is read by structures of our own (`document`), which know what positions, faces, texture coordinates
+//! and nodes need; the text itself is kept, so that all else is written back. Its data (`data`) is checked byte by byte.
+//!
 //! Writing back replaces positions in their buffer, and changes the text only where it must. Positions can be replaced
 //! only where they are one list of singles that one node uses: see `place`.
 
-mod accessor;
-mod buffers;
 mod container;
+mod data;
+mod document;
 mod json;
 mod nodes;
 mod place;
 mod read;
 #[cfg(test)]
 mod tests;
+mod usage;
 mod write;
 
 pub(crate) use container::Container;

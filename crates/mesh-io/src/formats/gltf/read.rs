@@ -2,8 +2,7 @@
 
 use std::{collections::HashMap, ops::Range, path::Path};
 
-use gltf::{Accessor, Document, Node, Primitive, Semantic, mesh::Mode};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Matrix4;
 
 use crate::{
     error::ReadErrorKind,
@@ -15,47 +14,61 @@ use crate::{
 };
 
 use super::{
-    accessor,
-    buffers::Buffers,
     container::Chunks,
+    data::{Budget, Buffers, accessor::Accessors},
+    document::{self, Document, Primitive},
+    json::Spans,
     nodes::placed_nodes,
-    place::Place,
+    place::{Place, to_world},
+    usage::Usage,
     write::{Block, GltfDocument},
 };
 
 /// Parses a whole file. Links to buffers are relative to `folder`.
-pub(crate) fn parse(source: Vec<u8>, folder: Option<&Path>) -> Result<(MeshData, GltfDocument), ReadErrorKind> {
-    // The crate `gltf` subtracts the length of the header from the length that a binary file claims, unchecked.
-    if let Some(&[b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d]) = source.first_chunk::<12>()
-        && u32::from_le_bytes([a, b, c, d]) < 12
-    {
-        return Err(ReadErrorKind::Malformed("the header says that the file is shorter than its header".into()));
-    }
-    // Its arithmetic on claimed lengths is unchecked elsewhere too, and panics in debug builds.
-    let read = std::panic::catch_unwind(|| ::gltf::Gltf::from_slice(&source));
-    let ::gltf::Gltf { document, blob } =
-        read.map_err(|_| ReadErrorKind::Malformed("lengths in it contradict each other".into()))??;
-    let chunks = Chunks::find(&source).ok_or_else(|| ReadErrorKind::Truncated { element: "a chunk".into() })?;
-    let buffers = Buffers::load(&document, folder, blob)?;
+pub(crate) fn parse(source: Vec<u8>, folder: &Path) -> Result<(MeshData, GltfDocument), ReadErrorKind> {
+    let chunks = Chunks::find(&source)?;
+    let json = &source[chunks.json.clone()];
+    let document = document::parse(json)?;
+    // What could not be edited is refused before any work is done.
+    Spans::find(json).map_err(|error| ReadErrorKind::Gltf(error.to_string()))?;
+    let buffers = Buffers::load(&document, folder, chunks.binary.clone().map(|range| &source[range]))?;
     let mut builder = Builder {
         document: &document,
-        buffers: &buffers,
+        usage: Usage::of(&document),
+        accessors: Accessors { document: &document, buffers: &buffers, compression: document::compression(&document) },
+        budget: Budget::new(source.len() + buffers.num_linked_bytes()),
         data: MeshData::default(),
         blocks: Vec::new(),
         parts: PartBuilder::default(),
     };
     for (node, transform) in placed_nodes(&document)? {
-        builder.node(&node, &transform)?;
+        builder.node(node, &transform)?;
     }
     let Builder { mut data, blocks, parts, .. } = builder;
     data.parts = parts.finish(data.polygons.len(), data.positions.len());
     Ok((data, GltfDocument { source, chunks, buffers, blocks }))
 }
 
+/// Bytes of a position, of texture coordinates and of a corner in memory, and of a primitive with its names and places.
+const POSITION: usize = 24;
+const UV: usize = 16;
+const CORNER: usize = 4;
+const PRIMITIVE: usize = 128;
+
+/// How the corners of a primitive make triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
 /// Collects the geometry of all nodes.
 struct Builder<'a> {
     document: &'a Document,
-    buffers: &'a Buffers,
+    usage: Usage,
+    accessors: Accessors<'a>,
+    budget: Budget,
     data: MeshData,
     blocks: Vec<Block>,
     parts: PartBuilder,
@@ -63,34 +76,43 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Adds the mesh of a node, if it has one.
-    fn node(&mut self, node: &Node<'_>, transform: &Matrix4<f64>) -> Result<(), ReadErrorKind> {
-        let Some(mesh) = node.mesh() else { return Ok(()) };
-        let name = |kind, name: Option<&str>| name.map(|name| PartName { kind, name: name.into() });
+    fn node(&mut self, node: usize, transform: &Matrix4<f64>) -> Result<(), ReadErrorKind> {
+        let Some(mesh) = self.document.nodes[node].mesh else { return Ok(()) };
+        let (number, mesh) = (mesh.0, &self.document.meshes[mesh.0]);
+        let name = |kind, name: &Option<String>| name.as_deref().map(|name| PartName { kind, name: name.into() });
+        let (outer, inner) = (name("node", &self.document.nodes[node].name), name("mesh", &mesh.name));
+        self.budget.take(1, PRIMITIVE + inner.as_ref().map_or(0, |inner| inner.name.len()))?;
         self.parts.rename(self.data.polygons.len(), self.data.positions.len(), |part| {
-            (part.outer, part.inner) = (name("node", node.name()), name("mesh", mesh.name()));
+            (part.outer, part.inner) = (outer, inner);
         });
         // The first vertex of each accessor of positions that this node uses. Never iterated.
         let mut first_vertices: HashMap<usize, usize> = HashMap::new();
-        for primitive in mesh.primitives() {
-            if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-                continue;
-            }
-            let name = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-            let Some(accessor) = primitive.get(&Semantic::Positions) else {
+        for (at, primitive) in mesh.primitives.iter().enumerate() {
+            self.budget.take(1, PRIMITIVE)?;
+            let name = format!("mesh {number}, primitive {at}");
+            let mode = match primitive.mode.map_or(4, |mode| mode.0) {
+                0..=3 => continue,
+                4 => Mode::Triangles,
+                5 => Mode::Strip,
+                6 => Mode::Fan,
+                mode => return Err(ReadErrorKind::Gltf(format!("{name} has mode {mode}, which does not exist"))),
+            };
+            let Some(accessor) = primitive.attributes.get("POSITION").map(|accessor| accessor.0) else {
                 return Err(ReadErrorKind::Malformed(format!("{name} has no positions")));
             };
-            let first_vertex = match first_vertices.get(&accessor.index()) {
+            let first_vertex = match first_vertices.get(&accessor) {
                 Some(&first) => first,
                 None => {
-                    let vertices = self.positions(&accessor, transform, &name)?;
+                    let vertices = self.positions(accessor, transform, &name)?;
                     let first = vertices.start;
-                    first_vertices.insert(accessor.index(), first);
-                    let place = Place::new(self.document, node, &accessor, transform);
+                    first_vertices.insert(accessor, first);
+                    let place =
+                        Place::new(self.document, &self.usage, self.accessors.compression, [node, accessor], transform);
                     self.blocks.push(Block { vertices, place });
                     first
                 }
             };
-            self.primitive(&primitive, &name, first_vertex, accessor.count())?;
+            self.primitive((primitive, mode), &name, first_vertex, self.document.accessors[accessor].count.0)?;
         }
         Ok(())
     }
@@ -98,14 +120,14 @@ impl Builder<'_> {
     /// Adds the positions of an accessor, transformed to the world. Returns their vertices.
     fn positions(
         &mut self,
-        accessor: &Accessor<'_>,
+        accessor: usize,
         transform: &Matrix4<f64>,
         name: &str,
     ) -> Result<Range<usize>, ReadErrorKind> {
         let first = self.data.positions.len();
-        for [x, y, z] in accessor::read::<3>(accessor, self.buffers)? {
-            let world = transform * Vector4::new(x, y, z, 1.0);
-            let position = [world.x, world.y, world.z];
+        self.budget.take(self.accessors.count(accessor)?, POSITION)?;
+        for stored in self.accessors.read::<3>(accessor)? {
+            let position = to_world(transform, stored);
             if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
                 let element = format!("{name}, vertex {}", self.data.positions.len() - first);
                 return Err(ReadErrorKind::NotFinite { element, value });
@@ -118,13 +140,19 @@ impl Builder<'_> {
     /// Adds the triangles of a primitive, and its texture coordinates if all are finite.
     fn primitive(
         &mut self,
-        primitive: &Primitive<'_>,
+        (primitive, mode): (&Primitive, Mode),
         name: &str,
         first_vertex: usize,
         num_vertices: usize,
     ) -> Result<(), ReadErrorKind> {
-        let indices: Vec<usize> = match primitive.indices() {
-            Some(accessor) => accessor::read_indices(&accessor, self.buffers)?,
+        let num_indices = match primitive.indices {
+            Some(accessor) => self.accessors.count(accessor.0)?,
+            None => num_vertices,
+        };
+        let num_corners = if mode == Mode::Triangles { num_indices } else { num_indices.saturating_mul(3) };
+        self.budget.take(num_corners, CORNER)?;
+        let indices: Vec<usize> = match primitive.indices {
+            Some(accessor) => self.accessors.read_indices(accessor.0)?,
             None => (0..num_vertices).collect(),
         };
         if let Some(&index) = indices.iter().find(|&&index| index >= num_vertices) {
@@ -137,8 +165,9 @@ impl Builder<'_> {
             });
         }
         let mut first_uv = None;
-        if let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) {
-            let uvs = accessor::read::<2>(&accessor, self.buffers)?;
+        if let Some(accessor) = primitive.attributes.get("TEXCOORD_0") {
+            self.budget.take(self.accessors.count(accessor.0)?, UV)?;
+            let uvs = self.accessors.read::<2>(accessor.0)?;
             if uvs.len() >= num_vertices && uvs.iter().flatten().all(|uv| uv.is_finite()) {
                 first_uv = Some(self.data.uv_coordinates.len());
                 self.data.uv_coordinates.extend(uvs);
@@ -146,7 +175,7 @@ impl Builder<'_> {
         }
         let id = |index: usize| u32::try_from(index).ok().filter(|&id| id != NO_UV);
         let too_many = || ReadErrorKind::Malformed("more vertices than 32-bit indices can name".into());
-        for triangle in triangles(primitive.mode(), &indices) {
+        for triangle in triangles(mode, &indices) {
             for index in triangle {
                 let vertex = id(first_vertex + index).ok_or_else(too_many)?;
                 let uv = first_uv.map_or(Some(NO_UV), |first| id(first + index)).ok_or_else(too_many)?;
@@ -161,7 +190,7 @@ impl Builder<'_> {
 /// The triangles of a list, strip or fan, all of the same orientation.
 fn triangles(mode: Mode, indices: &[usize]) -> Vec<[usize; 3]> {
     match mode {
-        Mode::TriangleStrip => indices
+        Mode::Strip => indices
             .windows(3)
             .enumerate()
             .map(|(at, corners)| {
@@ -169,7 +198,7 @@ fn triangles(mode: Mode, indices: &[usize]) -> Vec<[usize; 3]> {
                 if at % 2 == 0 { [a, b, c] } else { [b, a, c] }
             })
             .collect(),
-        Mode::TriangleFan => indices.windows(2).skip(1).map(|corners| [indices[0], corners[0], corners[1]]).collect(),
-        _ => indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
+        Mode::Fan => indices.windows(2).skip(1).map(|corners| [indices[0], corners[0], corners[1]]).collect(),
+        Mode::Triangles => indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
     }
 }

@@ -10,10 +10,11 @@ use crate::{
 };
 
 use super::{
-    buffers::Buffers,
     container::{Chunks, Container},
+    data::Buffers,
     json::{Spans, edited, replacing},
-    place::{Bytes, Place},
+    place::Place,
+    usage::Bytes,
 };
 
 /// A glTF file as it was read.
@@ -50,10 +51,28 @@ pub(crate) struct Block {
     pub(crate) place: Result<Place, String>,
 }
 
+impl Block {
+    /// Where and how the position of a vertex is stored; nothing for a vertex that did not move.
+    fn stored(
+        &self,
+        vertex: usize,
+        before: &[[f64; 3]],
+        after: &[[f64; 3]],
+    ) -> Result<Option<(&Place, [f32; 3])>, WriteError> {
+        if before[vertex].map(f64::to_bits) == after[vertex].map(f64::to_bits) {
+            return Ok(None);
+        }
+        let fixed = |reason: &str| WriteError::FixedCoordinates { vertex, reason: reason.to_owned() };
+        let place = self.place.as_ref().map_err(|reason| fixed(reason))?;
+        let stored = place.stored(after[vertex]).ok_or_else(|| fixed("it is beyond single precision"))?;
+        Ok(Some((place, stored)))
+    }
+}
+
 impl GltfDocument {
     /// The files of buffers that are files of their own.
     pub(crate) fn linked_files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.buffers.links().iter().flatten()
+        self.buffers.files()
     }
 
     /// Whether world positions are singles, since no node transforms what is stored.
@@ -84,7 +103,7 @@ impl GltfDocument {
         out: &mut dyn Write,
     ) -> Result<(), WriteError> {
         let Stored { buffers, moved } = self.stored(before, after)?;
-        let all_found = destination.same_folder || self.buffers.links().iter().all(Option::is_none);
+        let all_found = destination.same_folder || self.buffers.files().next().is_none();
         if moved.is_empty() && destination.container == self.container() && all_found {
             return Ok(out.write_all(&self.source)?);
         }
@@ -103,20 +122,31 @@ impl GltfDocument {
         Ok(self.chunks.write(&self.source, destination.container, &json, binary.as_deref(), out)?)
     }
 
+    /// The positions that reading the file gives, once it was written with others.
+    pub(crate) fn stored_positions(
+        &self,
+        before: &[[f64; 3]],
+        after: &[[f64; 3]],
+    ) -> Result<Vec<[f64; 3]>, WriteError> {
+        let mut positions = before.to_vec();
+        for block in &self.blocks {
+            for vertex in block.vertices.clone() {
+                if let Some((place, stored)) = block.stored(vertex, before, after)? {
+                    positions[vertex] = place.read_back(stored);
+                }
+            }
+        }
+        Ok(positions)
+    }
+
     /// The buffers with other positions.
     fn stored(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> Result<Stored<'_>, WriteError> {
-        let mut buffers: Vec<Cow<'_, [u8]>> =
-            self.buffers.all().iter().map(|bytes| Cow::from(bytes.as_slice())).collect();
+        let mut buffers: Vec<Cow<'_, [u8]>> = self.buffers.all().map(Cow::from).collect();
         let mut moved = Vec::new();
         for block in &self.blocks {
             let mut has_moved = false;
             for (slot, vertex) in block.vertices.clone().enumerate() {
-                if before[vertex].map(f64::to_bits) == after[vertex].map(f64::to_bits) {
-                    continue;
-                }
-                let fixed = |reason: &str| WriteError::FixedCoordinates { vertex, reason: reason.to_owned() };
-                let place = block.place.as_ref().map_err(|reason| fixed(reason))?;
-                let stored = place.stored(after[vertex]).ok_or_else(|| fixed("it is beyond single precision"))?;
+                let Some((place, stored)) = block.stored(vertex, before, after)? else { continue };
                 let Bytes { buffer, start, stride, .. } = place.bytes;
                 let at = start + slot * stride;
                 for (axis, value) in stored.into_iter().enumerate() {
@@ -152,8 +182,7 @@ impl GltfDocument {
         if self.is_in_chunk(at, destination.container) {
             return span.remove_uri(json);
         }
-        let is_lost =
-            self.is_in_chunk(at, self.container()) || !destination.same_folder && self.buffers.links()[at].is_some();
+        let is_lost = self.is_in_chunk(at, self.container()) || !destination.same_folder && self.buffers.is_file(at);
         (is_changed || is_lost).then(|| {
             let bytes = &bytes[..self.buffers.length(at).min(bytes.len())];
             span.set_uri(&format!("data:application/octet-stream;base64,{}", BASE64.encode(bytes)))

@@ -1,5 +1,7 @@
 //! Reading PLY.
 
+use std::ops::Range;
+
 use crate::{
     error::ReadErrorKind,
     formats::{
@@ -16,8 +18,8 @@ use super::header::{self, Element, Encoding, Header, Property, Scalar};
 pub(crate) struct PlyDocument {
     pub(crate) source: Vec<u8>,
     pub(crate) encoding: Encoding,
-    /// Types of the three coordinates.
-    pub(crate) types: [Scalar; 3],
+    /// The types of the three coordinates, for each element `vertex` its own, with the vertices of that element.
+    pub(crate) types: Vec<(Range<usize>, [Scalar; 3])>,
     /// Byte offsets of the coordinates of each vertex.
     pub(crate) coordinate_offsets: Vec<[usize; 3]>,
 }
@@ -36,7 +38,7 @@ type Located<T> = Result<T, (Option<usize>, ReadErrorKind)>;
 pub(crate) fn parse(source: Vec<u8>) -> Located<(MeshData, PlyDocument)> {
     let header = header::parse(&source)?;
     let mut body = Body { source: &source, start: header.body, at: header.body, encoding: header.encoding };
-    let mut reader = Reader { types: [Scalar::F64; 3], ..Reader::default() };
+    let mut reader = Reader::default();
     reader.elements(&header, &mut body).map_err(|kind| (body.line(), kind))?;
     let data = reader.finish();
     let (types, coordinate_offsets) = (reader.types, reader.coordinate_offsets);
@@ -124,7 +126,7 @@ fn whole_number(value: f64) -> Option<u32> {
 struct Reader {
     positions: Vec<[f64; 3]>,
     coordinate_offsets: Vec<[usize; 3]>,
-    types: [Scalar; 3],
+    types: Vec<(Range<usize>, [Scalar; 3])>,
     vertex_uvs: Vec<[f64; 2]>,
     face_uvs: Vec<[f64; 2]>,
     polygons: Polygons,
@@ -135,7 +137,7 @@ impl Reader {
         let vertices = header.elements.iter().filter(|element| element.name == b"vertex");
         let num_vertices = vertices.fold(0usize, |sum, element| sum.saturating_add(element.count));
         for element in &header.elements {
-            let name = String::from_utf8_lossy(&element.name);
+            let name = text::shortened(&element.name);
             if element.properties.is_empty() && element.count > 0 {
                 return Err(ReadErrorKind::Malformed(format!("element `{name}` has no properties")));
             }
@@ -165,7 +167,7 @@ impl Reader {
                 ReadErrorKind::Malformed(format!("element `vertex` has no property `{}`", text::shortened(name)))
             })?;
         }
-        self.types = columns.map(|column| element.properties[column].item);
+        let first = self.positions.len();
         let uv_columns = UV_NAMES.iter().find_map(|[u, v]| Some([column(u)?, column(v)?]));
         for vertex in 0..element.count {
             let name = || format!("vertex {vertex}");
@@ -194,6 +196,8 @@ impl Reader {
                 self.vertex_uvs.push(uv);
             }
         }
+        let types = columns.map(|column| element.properties[column].item);
+        self.types.push((first..self.positions.len(), types));
         Ok(())
     }
 
@@ -242,7 +246,9 @@ impl Reader {
     /// Hands over the mesh, with the texture coordinates of the faces or else those of the vertices.
     fn finish(&mut self) -> MeshData {
         let mut uv_coordinates = std::mem::take(&mut self.face_uvs);
-        if uv_coordinates.is_empty() && !self.vertex_uvs.is_empty() {
+        // One of several elements `vertex` may have texture coordinates where another has none.
+        let has_uvs = !self.vertex_uvs.is_empty() && self.vertex_uvs.len() == self.positions.len();
+        if uv_coordinates.is_empty() && has_uvs {
             self.polygons.use_vertices_as_uvs();
             uv_coordinates = std::mem::take(&mut self.vertex_uvs);
         }

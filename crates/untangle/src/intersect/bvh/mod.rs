@@ -11,11 +11,13 @@
 //! to be rounded outwards.
 //!
 //! Pairs of faces that share a vertex always overlap. They are known from the topology, left out here, and tested
-//! around each vertex instead.
+//! around each vertex instead. All boxes round a vertex of many faces overlap there: these faces stand side by side in
+//! the array, and pairs of nodes all of whose faces share that vertex are passed over together.
 
 mod aabb;
 mod adjacency;
 mod build;
+mod hubs;
 mod refit;
 mod traverse;
 mod tree;

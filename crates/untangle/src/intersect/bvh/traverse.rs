@@ -37,19 +37,24 @@ impl Bvh {
         }
     }
 
-    /// Calls `found` once for each pair of faces of two subtrees whose boxes overlap, except for those that share a
-    /// vertex. Faces are named by their places in the order of the tree.
+    /// Goes on with a traversal of pairs of nodes, those on the stack, and appends each pair of faces below them whose
+    /// boxes overlap once, except for those that share a vertex. Ends after as many visits, or pairs and a few more, as
+    /// allowed, and returns the number of visits. Faces are named by their places in the order of the tree.
     #[inline(always)]
     pub(crate) fn overlapping_faces(
         &self,
         simd: impl InstructionSet,
-        subtrees: NodePair,
         stack: &mut Vec<NodePair>,
-        mut found: impl FnMut([u32; 2]),
-    ) {
-        stack.clear();
-        stack.push(subtrees);
-        while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
+        [max_pairs, max_visits]: [usize; 2],
+        found: &mut Vec<[u32; 2]>,
+    ) -> usize {
+        let mut num_visits = 0;
+        while found.len() < max_pairs && num_visits < max_visits {
+            let Some(NodePair { level, nodes: [a, b] }) = stack.pop() else { break };
+            num_visits += 1;
+            if self.have_common_hub(level, a, b) {
+                continue;
+            }
             let boxes = &self.levels[level];
             let mut pairs = boxes[a as usize].overlap_mask_x8(simd, &boxes[b as usize]);
             if a == b {
@@ -64,11 +69,12 @@ impl Bvh {
                 pairs &= pairs - 1;
                 let children = [8 * a + slot, 8 * b + other];
                 if level == 0 {
-                    found(children);
+                    found.push(children);
                 } else {
                     stack.push(NodePair { level: level - 1, nodes: children });
                 }
             }
         }
+        num_visits
     }
 }

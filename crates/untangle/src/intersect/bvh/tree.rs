@@ -4,6 +4,7 @@ use super::{
     aabb::{Aabb, AabbX8, WIDTH},
     adjacency::LeafAdjacency,
     build::sort_by_median_splits,
+    hubs::{Hubs, group_by_hub},
 };
 use crate::{
     frame::Frame,
@@ -34,6 +35,8 @@ pub(crate) struct Bvh {
     pub(super) scale: f64,
     /// Pairs of faces that the traversal leaves out.
     pub(super) adjacency: LeafAdjacency,
+    /// The common vertices of nodes all of whose faces meet in a vertex of many faces.
+    hubs: Hubs,
     /// Of the mesh for which the tree was built.
     identity: Option<MeshIdentity>,
 }
@@ -52,7 +55,10 @@ impl Bvh {
                 let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex).coords);
                 (a + b + c).into()
             };
-            sort_by_median_splits(&mut self.order, &centroid);
+            for alike in group_by_hub(mesh, &mut self.order) {
+                sort_by_median_splits(&mut self.order[alike], &centroid);
+            }
+            self.hubs = Hubs::new(mesh, &self.order);
             self.corners.clear();
             self.corners.extend(self.order.iter().map(|&face| mesh.face(face)));
             self.adjacency = LeafAdjacency::new(mesh, &self.order);
@@ -73,10 +79,21 @@ impl Bvh {
         Some(NodePair { level, nodes: [0, 0] })
     }
 
+    /// Whether all faces of two nodes of a level share one vertex, so that no pair of theirs is searched for.
+    #[inline(always)]
+    pub(super) fn have_common_hub(&self, level: usize, a: u32, b: u32) -> bool {
+        self.adjacency.is_incomplete() && self.hubs.is_common(level, a, b)
+    }
+
     /// The box of a node below the root.
     #[inline(always)]
     pub(super) fn aabb(&self, level: usize, node: u32) -> Aabb {
         self.levels[level + 1][node as usize / WIDTH].get(node as usize % WIDTH)
+    }
+
+    /// One over the largest extent of the frame, in metres.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// All vertices after the map into single precision.

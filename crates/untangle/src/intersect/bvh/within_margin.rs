@@ -9,23 +9,33 @@ use crate::{frame::Frame, mesh::VertexId, simd::InstructionSet};
 
 impl Bvh {
     /// Calls `found` once for each pair of leaves, the first not after the second, that may be within `margin_m` metres
-    /// of each other.
+    /// of each other, except for those all of whose faces share one vertex. Ends early, and returns false, after
+    /// `max_visits` pairs of nodes.
     #[inline(always)]
     pub(crate) fn leaves_within_margin(
         &self,
         simd: impl InstructionSet,
         margin_m: f64,
         stack: &mut Vec<NodePair>,
+        max_visits: usize,
         mut found: impl FnMut([u32; 2]),
-    ) {
-        let Some(root_pair) = self.root_pair() else { return };
+    ) -> bool {
+        let Some(root_pair) = self.root_pair() else { return true };
         // Coordinates in single precision are at most one half and rounded by 2^-25 of it at most, and so are the sums
         // below.
         #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
         let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
         stack.clear();
         stack.push(root_pair);
+        let mut num_visits = 0;
         while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
+            num_visits += 1;
+            if num_visits > max_visits {
+                return false;
+            }
+            if self.have_common_hub(level, a, b) {
+                continue;
+            }
             if level == 0 {
                 found([a, b]);
                 continue;
@@ -41,6 +51,7 @@ impl Bvh {
                 stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
             }
         }
+        true
     }
 
     /// Calls `found` with each pair of faces of two leaves, the first not after the second, that may be within

@@ -44,6 +44,10 @@ pub(in crate::intersect) struct Certificate {
     pub(in crate::intersect) expires_m: f64,
 }
 
+/// More than the rounding of two coordinates to single precision, relative to the extent of a frame, which may have
+/// doubled since.
+const RESOLUTION: f64 = 1e-6;
+
 /// The expiry of a pair that no frame has tested yet.
 pub(super) const NEVER_TESTED: f64 = f64::NEG_INFINITY;
 
@@ -60,6 +64,8 @@ pub(in crate::intersect) struct CertificateCache {
     /// Leaves without a certificate were further apart than this, in metres, when all clocks stood at zero; zero if
     /// nothing is cached.
     margin_m: f64,
+    /// How far apart boxes may be, in metres, that overlap in the single precision of a cold search.
+    resolution_m: f64,
     pub(in crate::intersect) pairs: Vec<Certificate>,
     /// For each [`PAIRS_PER_GROUP`] of them the first expiry.
     pair_groups_m: Vec<f64>,
@@ -127,7 +133,7 @@ impl CertificateCache {
         if self.margin_m > 0.0 {
             self.leaf_clocks.advance(&self.displacements);
             self.star_clocks.advance(&self.displacements);
-            if 2.0 * self.leaf_clocks.latest_m() < self.margin_m {
+            if 2.0 * self.leaf_clocks.latest_m() + self.resolution_m < self.margin_m {
                 return Mode::Cached;
             }
         }
@@ -140,6 +146,19 @@ impl CertificateCache {
         }
         self.expire_all();
         Mode::Rebuild
+    }
+
+    /// Goes on with the leaf pairs of a frame whose largest extent is `1 / scale` metres, if they are `all` of them;
+    /// without certificates otherwise. While there are certificates, every pair of faces without a common vertex that a
+    /// cold search would test lies in one of the pairs of leaves.
+    pub(in crate::intersect) fn keep_pairs(&mut self, all: bool, scale: f64) -> bool {
+        self.resolution_m = 4.0 * RESOLUTION / scale;
+        if !(all && self.resolution_m < self.margin_m) {
+            self.pairs.clear();
+            self.margin_m = 0.0;
+            return false;
+        }
+        true
     }
 
     fn expire_all(&mut self) {

@@ -10,6 +10,9 @@ use crate::{
     simd::{F64_LANES, InstructionSet, Task},
 };
 
+/// The work of comparing the boxes of two leaves, which are made from the positions.
+const LEAF_TEST: usize = 8;
+
 /// Certificates of pairs of leaves, and the clocks by which they expire.
 pub(in crate::intersect) struct ExpiredLeafPairs<'a> {
     pub(in crate::intersect) pairs: &'a mut [Certificate],
@@ -26,7 +29,14 @@ impl Task for Search<'_, ExpiredLeafPairs<'_>> {
     #[inline(always)]
     fn run<S: InstructionSet>(mut self, simd: S) {
         let mut near = std::mem::take(&mut self.share.candidates);
-        for group in 0..self.kind.groups_m.len() {
+        while self.share.may_go_on() && !self.share.is_done {
+            let group = self.share.next;
+            if group == self.kind.groups_m.len() {
+                self.share.is_done = true;
+                break;
+            }
+            self.share.next += 1;
+            self.share.spend(1);
             if 2.0 * self.kind.latest_m < self.kind.groups_m[group] {
                 continue;
             }
@@ -36,6 +46,7 @@ impl Task for Search<'_, ExpiredLeafPairs<'_>> {
                 let Certificate { leaves, mut expires_m } = self.kind.pairs[index];
                 let now_m = pair_time_m(self.kind.leaf_times_m, leaves);
                 if now_m >= expires_m {
+                    self.share.spend(LEAF_TEST);
                     // Leaves that touch mostly go on to touch: for them no distance is computed until they are
                     // separated.
                     let touched = expires_m.total_cmp(&TOUCHING).is_eq();
@@ -60,6 +71,7 @@ impl Search<'_, ExpiredLeafPairs<'_>> {
         self.bvh.faces_within_margin(simd, self.frame, leaves, 0.0, |places| near.push(places));
         let mut triangles = <[TrianglesX4; 2]>::default();
         let mut touch = false;
+        self.share.spend(near.len());
         for four in near.chunks(F64_LANES) {
             let unused = self.load(four, &mut triangles);
             let separated = separated_mask_x4(simd, &triangles, unused);
@@ -77,6 +89,7 @@ impl Search<'_, ExpiredLeafPairs<'_>> {
         let others_m = self.bvh.faces_within_margin(simd, self.frame, leaves, margin_m, |places| near.push(places));
         let mut triangles = <[TrianglesX4; 2]>::default();
         let mut nearest_m = f64::INFINITY;
+        self.share.spend(near.len());
         for four in near.chunks(F64_LANES) {
             let unused = self.load(four, &mut triangles);
             let gaps_m = max_gaps_m_x4(simd, &triangles, margin_m, unused);
@@ -92,20 +105,30 @@ impl Search<'_, ExpiredLeafPairs<'_>> {
     }
 }
 
-/// Collects the pairs of leaves within the margin, each with a certificate that no frame has tested yet.
+/// Collects the pairs of leaves within the margin, each with a certificate that no frame has tested yet. Without all of
+/// them, and `is_complete` false, where there are more than `max_pairs`.
 pub(in crate::intersect) struct CollectLeafPairs<'a> {
     pub(in crate::intersect) bvh: &'a Bvh,
     pub(in crate::intersect) margin_m: f64,
+    pub(in crate::intersect) max_pairs: usize,
     pub(in crate::intersect) stack: &'a mut Vec<NodePair>,
     pub(in crate::intersect) pairs: &'a mut Vec<Certificate>,
+    pub(in crate::intersect) is_complete: &'a mut bool,
 }
+
+/// Pairs of nodes that are visited at most for each certificate.
+const VISITS_PER_PAIR: usize = 4;
 
 impl Task for CollectLeafPairs<'_> {
     #[inline(always)]
     fn run<S: InstructionSet>(self, simd: S) {
-        let Self { bvh, margin_m, stack, pairs } = self;
-        bvh.leaves_within_margin(simd, margin_m, stack, |leaves| {
-            pairs.push(Certificate { leaves, expires_m: NEVER_TESTED });
+        let Self { bvh, margin_m, max_pairs, stack, pairs, is_complete } = self;
+        let max_visits = max_pairs.saturating_mul(VISITS_PER_PAIR);
+        let all = bvh.leaves_within_margin(simd, margin_m, stack, max_visits, |leaves| {
+            if pairs.len() <= max_pairs {
+                pairs.push(Certificate { leaves, expires_m: NEVER_TESTED });
+            }
         });
+        *is_complete = all && pairs.len() <= max_pairs;
     }
 }

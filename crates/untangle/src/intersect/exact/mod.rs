@@ -12,6 +12,7 @@
 
 mod contact;
 mod corners;
+mod directions;
 mod disjoint;
 mod locate;
 mod one_vertex;

@@ -56,7 +56,7 @@ pub(crate) struct OneRing<'a> {
 impl OneRings {
     /// One-rings of the corners of `faces`, in the order in which these first have them.
     ///
-    /// Cost: linear in the faces, but quadratic around one vertex.
+    /// Cost: O(n log n) in the faces.
     pub(crate) fn new(mesh: &Mesh, faces: &[FaceId]) -> Self {
         let mut rings = Self { offsets: vec![0], ..Self::default() };
         let mut is_listed = vec![false; mesh.num_vertices()];
@@ -92,15 +92,15 @@ impl OneRings {
     /// Appends the neighbours of a vertex in turn; false if its faces do not form one simple fan.
     fn walk(&mut self, mesh: &Mesh, centre: VertexId, rest: &mut Vec<[VertexId; 2]>) -> bool {
         let faces = mesh.vertex_faces(centre);
-        if faces.len() > MAX_ADJACENT_FACES {
-            return false;
-        }
         rest.clear();
         rest.extend(faces.iter().map(|&face| {
             let corners = mesh.face(face);
             let at = corners.iter().position(|&corner| corner == centre).unwrap_or_default();
             [corners[(at + 1) % 3], corners[(at + 2) % 3]]
         }));
+        if faces.len() > MAX_ADJACENT_FACES {
+            return walk_many(rest, &mut self.around);
+        }
         let is_end =
             |vertex: VertexId, sides: &[[VertexId; 2]]| sides.iter().filter(|side| side.contains(&vertex)).count() == 1;
         let start = rest.iter().flatten().copied().find(|&vertex| is_end(vertex, rest)).unwrap_or(rest[0][0]);
@@ -131,7 +131,10 @@ impl OneRings {
             window.sort_unstable();
             for alike in window.chunk_by(|a, b| a.0 == b.0) {
                 let valence = alike[0].0;
-                let num_batched = if valence > 0 { alike.len() / F32_LANES * F32_LANES } else { 0 };
+                // Stars of many faces are always tested in the same way, so that counts of their pairs are always the
+                // same.
+                let is_batched = (1..=MAX_ADJACENT_FACES).contains(&valence);
+                let num_batched = if is_batched { alike.len() / F32_LANES * F32_LANES } else { 0 };
                 let (batched, unbatched) = alike.split_at(num_batched);
                 for eight in batched.chunks_exact(F32_LANES) {
                     self.push_batch(valence, std::array::from_fn(|lane| eight[lane].1));
@@ -175,6 +178,34 @@ impl OneRings {
         let around = &self.around[self.offsets[index] as usize..self.offsets[index + 1] as usize];
         OneRing { centre: self.centres[index], around }
     }
+}
+
+/// Appends the neighbours of a vertex of many faces in turn, from the sides opposite to it; false if its faces do not
+/// form one simple fan. Cost: O(n log n).
+fn walk_many(sides: &[[VertexId; 2]], around: &mut Vec<VertexId>) -> bool {
+    let mut ends: Vec<(VertexId, usize)> =
+        sides.iter().enumerate().flat_map(|(side, ends)| ends.map(|end| (end, side))).collect();
+    ends.sort_unstable();
+    let of_vertex = |vertex: VertexId| {
+        let first = ends.partition_point(|&(end, _)| end < vertex);
+        &ends[first..first + ends[first..].partition_point(|&(end, _)| end == vertex)]
+    };
+    if ends.chunk_by(|a, b| a.0 == b.0).any(|run| run.len() > 2) {
+        return false;
+    }
+    let start = ends.chunk_by(|a, b| a.0 == b.0).find(|run| run.len() == 1).map_or(sides[0][0], |run| run[0].0);
+    around.push(start);
+    let (mut last, mut from) = (start, usize::MAX);
+    for num_walked in 1..=sides.len() {
+        let Some(&(_, side)) = of_vertex(last).iter().find(|&&(_, side)| side != from) else { return false };
+        let [a, b] = sides[side];
+        (last, from) = (if a == last { b } else { a }, side);
+        if last == start && num_walked < sides.len() {
+            return false;
+        }
+        around.push(last);
+    }
+    true
 }
 
 fn index_u32(index: usize) -> u32 {

@@ -10,15 +10,58 @@ use crate::{
     mesh::{FaceId, Mesh},
 };
 
-/// The contacts of one share of the search, and its scratch memory.
+/// The work of one exact test: some hundred nanoseconds, up to a microsecond where signs are exactly zero.
+pub(in crate::intersect) const EXACT_TEST: usize = 64;
+
+/// The contacts of one share of the search, how far it has come, and its scratch memory.
 #[derive(Debug, Default)]
 pub(in crate::intersect) struct Share {
+    /// The traversal, where it goes on.
     pub(in crate::intersect) stack: Vec<NodePair>,
     /// Pairs of faces by their places, as they pass from filter to filter.
     pub(in crate::intersect) candidates: Vec<[u32; 2]>,
     pub(in crate::intersect) star_filter: VertexStarFilter,
-    star: VertexStar,
+    pub(in crate::intersect) star: VertexStar,
     pub(in crate::intersect) contacts: Vec<([FaceId; 2], Contact)>,
+    /// What the share consists of, up to here is begun.
+    pub(in crate::intersect) next: usize,
+    pub(in crate::intersect) is_done: bool,
+    /// The first expiry in the group of certificates that is begun.
+    pub(in crate::intersect) first_m: f64,
+    /// Pairs of faces whose boxes overlap, in a cold search.
+    pub(in crate::intersect) num_boxes: u64,
+    /// Pairs of faces round vertices of many faces that came to exact signs.
+    pub(in crate::intersect) num_around: u64,
+    /// Work that is left in this round.
+    work: usize,
+}
+
+impl Share {
+    /// Starts over.
+    pub(in crate::intersect) fn begin(&mut self) {
+        self.stack.clear();
+        self.candidates.clear();
+        self.star.clear();
+        self.contacts.clear();
+        (self.next, self.is_done, self.num_boxes, self.num_around) = (0, false, 0, 0);
+    }
+
+    /// Gives it work for a round.
+    pub(in crate::intersect) fn allow(&mut self, work: usize) {
+        self.work = work;
+    }
+
+    /// Whether there is work left in this round.
+    #[inline(always)]
+    pub(in crate::intersect) fn may_go_on(&self) -> bool {
+        self.work > 0
+    }
+
+    /// Counts work, in units of about ten nanoseconds: the test of a pair of boxes or of single precision.
+    #[inline(always)]
+    pub(in crate::intersect) fn spend(&mut self, work: usize) {
+        self.work = self.work.saturating_sub(work);
+    }
 }
 
 /// The search of one share, of the kind `K`.
@@ -39,6 +82,7 @@ impl<K> Search<'_, K> {
         if self.bvh.may_report_adjacent() && share_a_vertex(self.mesh, [a, b]) {
             return;
         }
+        self.share.spend(EXACT_TEST);
         if let Some(contact) = contact_of_disjoint(self.mesh, self.frame, [a, b]) {
             self.share.contacts.push((if a < b { [a, b] } else { [b, a] }, contact));
         }
@@ -70,10 +114,19 @@ impl<K> Search<'_, K> {
         [self.frame.position(a).into(), self.frame.position(b).into(), self.frame.position(c).into()]
     }
 
-    /// Tests the faces around a vertex exactly, pair by pair.
+    /// Tests the faces around a vertex exactly: all pairs, or those of a vertex of many faces as far as the work of
+    /// this round reaches.
     pub(in crate::intersect) fn test_star(&mut self, ring: usize) {
         let centre = self.one_rings.get(ring).centre;
-        let Share { star, contacts, .. } = &mut *self.share;
-        star.contacts(self.mesh, self.frame, centre, &mut |faces, contact| contacts.push((faces, contact)));
+        self.share.star.load(self.mesh, self.frame, centre);
+        self.go_on_with_star();
+    }
+
+    /// Goes on with a star that an earlier round did not finish.
+    pub(in crate::intersect) fn go_on_with_star(&mut self) {
+        let Share { star, contacts, num_around, work, .. } = &mut *self.share;
+        let tested = star.test(self.mesh, *work, &mut |faces, contact| contacts.push((faces, contact)));
+        *num_around += tested.num_around;
+        self.share.spend(tested.work);
     }
 }

@@ -4,10 +4,15 @@ use super::share::{Search, Share};
 use crate::{
     intersect::{
         bvh::{NodePair, WIDTH},
+        exact::share_a_vertex,
         filter::{TrianglesX4, separated_mask_x4, separated_mask_x8},
     },
     simd::{F64_LANES, InstructionSet, Task},
 };
+
+/// Pairs of faces that are collected before they are tested: few enough to stay in the first cache, and to bound the
+/// work between two looks at the clock; memory does not grow with the pairs whose boxes overlap.
+const BATCH: usize = 256;
 
 /// Every `step`th pair of subtrees, from `first` on.
 pub(in crate::intersect) struct SubtreePairs<'a> {
@@ -17,30 +22,51 @@ pub(in crate::intersect) struct SubtreePairs<'a> {
 }
 
 impl Task for Search<'_, SubtreePairs<'_>> {
-    /// Boxes, then triangles in single precision, then in double precision, then exact signs.
+    /// Boxes, then triangles in single precision, then in double precision, then exact signs, batch by batch.
     #[inline(always)]
     fn run<S: InstructionSet>(mut self, simd: S) {
-        let Share { stack, candidates, .. } = &mut *self.share;
-        candidates.clear();
-        let SubtreePairs { all, first, step } = self.kind;
-        for &subtrees in all.iter().skip(first).step_by(step) {
-            self.bvh.overlapping_faces(simd, subtrees, stack, |places| candidates.push(places));
-        }
         let mut candidates = std::mem::take(&mut self.share.candidates);
-        self.retain_unseparated(simd, &mut candidates);
         let mut triangles = <[TrianglesX4; 2]>::default();
-        // Not at once when a pair is found: what the closure above calls would be compiled for the baseline instruction
-        // set.
-        for four in candidates.chunks(F64_LANES) {
-            let unused = self.load(four, &mut triangles);
-            let separated = separated_mask_x4(simd, &triangles, unused);
-            self.test_unseparated(four, separated);
+        while self.share.may_go_on() && !self.share.is_done {
+            candidates.clear();
+            self.collect(simd, &mut candidates);
+            self.share.num_boxes += candidates.len() as u64;
+            self.share.spend(candidates.len());
+            self.retain_unseparated(simd, &mut candidates);
+            for four in candidates.chunks(F64_LANES) {
+                let unused = self.load(four, &mut triangles);
+                let separated = separated_mask_x4(simd, &triangles, unused);
+                self.test_unseparated(four, separated);
+            }
         }
         self.share.candidates = candidates;
     }
 }
 
 impl Search<'_, SubtreePairs<'_>> {
+    /// Goes on with the traversal until there is a batch of pairs, or nothing left.
+    #[inline(always)]
+    fn collect<S: InstructionSet>(&mut self, simd: S, candidates: &mut Vec<[u32; 2]>) {
+        let SubtreePairs { all, first, step } = self.kind;
+        let Share { stack, next, is_done, .. } = &mut *self.share;
+        let mut num_visits = 0;
+        while candidates.len() < BATCH && num_visits < BATCH {
+            if stack.is_empty() {
+                let Some(&subtrees) = all.get(first + step * *next) else {
+                    *is_done = true;
+                    break;
+                };
+                *next += 1;
+                stack.push(subtrees);
+            }
+            num_visits += self.bvh.overlapping_faces(simd, stack, [BATCH, BATCH - num_visits], candidates);
+        }
+        if self.bvh.may_report_adjacent() {
+            candidates.retain(|places| !share_a_vertex(self.mesh, places.map(|place| self.bvh.face(place))));
+        }
+        self.share.spend(2 * num_visits);
+    }
+
     /// Drops the pairs that single precision proves to be separated.
     #[inline(always)]
     fn retain_unseparated<S: InstructionSet>(&self, simd: S, pairs: &mut Vec<[u32; 2]>) {

@@ -1,5 +1,7 @@
 //! `untangled check` as a user or a script runs it.
 
+mod formats;
+
 use std::{
     fs,
     path::Path,

@@ -5,6 +5,7 @@ use std::{
     net::TcpStream,
     os::unix::net::UnixDatagram,
     process::{Child, Command, Stdio},
+    time::{Duration, Instant},
 };
 
 use rustix::process::Signal;
@@ -12,7 +13,7 @@ use serde_json::Value;
 use untangled_client::StepTime;
 use untangled_proto::Status;
 use untangled_testkit::process::{
-    Daemon, PATIENCE, RawPeer, STEP, TestDomain, fill_flat, header, send_signal, serve, sheet, untangled,
+    Daemon, PATIENCE, RawPeer, STEP, TestDomain, eventually, fill_flat, header, send_signal, serve, sheet, untangled,
 };
 
 /// A daemon whose log is kept.
@@ -87,13 +88,22 @@ fn metrics_of_a_session_are_prometheus_text() {
         assert!(line.rsplit(' ').next().unwrap().parse::<f64>().is_ok(), "{line}");
     }
     assert!(http(&address, "GET /other HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404"));
-    assert!(http(&address, "POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 400"));
+    assert!(http(&address, "POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 405"));
+    let head = http(&address, "HEAD /metrics HTTP/1.1\r\n\r\n");
+    assert!(head.starts_with("HTTP/1.1 200") && head.ends_with("\r\n\r\n"), "{head}");
     assert!(http(&address, "nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
-    // A silent connection keeps other connections waiting for a second, and frames not at all.
-    let _silent = TcpStream::connect(&address).unwrap();
+    // Silent connections keep no other waiting, and no frame. One more than are served at a time takes the oldest's place.
+    let _silent: Vec<_> = (0..100).map(|_| TcpStream::connect(&address).unwrap()).collect();
+    let begin = Instant::now();
     session.exchange(STEP, PATIENCE, fill_flat).unwrap();
     assert!(http(&address, "GET / HTTP/1.0\r\n\r\n").starts_with("HTTP/1.1 200"));
+    assert!(begin.elapsed() < Duration::from_millis(900), "{:?}", begin.elapsed());
+    // The session ends; what was counted stays.
     drop(session);
+    eventually("the session has ended", || http(&address, "GET / HTTP/1.0\r\n\r\n").contains("untangled_sessions 0\n"));
+    let after = http(&address, "GET / HTTP/1.0\r\n\r\n");
+    assert!(after.contains("untangled_daemon_frames_total 5\n"), "{after}");
+    assert!(after.contains("untangled_daemon_frames_refused_total 1\n"), "{after}");
     daemon.stop();
 }
 
@@ -125,7 +135,10 @@ fn status_watch_repeats_until_the_daemon_ends() {
     assert_eq!(frames(), 0);
     session.exchange(STEP, PATIENCE, fill_flat).unwrap();
     while frames() == 0 {}
+    let before = frames();
     drop(session);
+    // What was counted stays when its session ends.
+    (0..8).for_each(|_| assert!(frames() >= before));
     assert!(daemon.stop(Signal::TERM).success());
     while lines.next().is_some() {}
     assert_eq!(watching.wait().unwrap().code(), Some(2), "the daemon is gone, and that is said");

@@ -1,0 +1,63 @@
+//! Memory: what a session takes is what the formulas say, and an operator can limit it.
+
+use untangled_client::{RegisterError, RequestError, Status};
+use untangled_proto::{PayloadLayout, Precision, memory};
+use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, serve, sheet};
+
+use super::super::machine::busy;
+
+#[test]
+fn session_takes_the_shared_memory_that_the_formula_says() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let idle = domain.shared_bytes();
+    assert!(idle < 4 << 20, "a daemon without sessions has taken {idle} bytes");
+    for side in [3, 199] {
+        let cloth = sheet(side);
+        let num_vertices = cloth.num_vertices;
+        let mut session = client.register(cloth).unwrap();
+        session.exchange(STEP, PATIENCE, fill_flat).unwrap();
+        let taken = domain.shared_bytes() - idle;
+        let formula = memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed);
+        assert!(taken <= formula && formula - taken < 1 << 18, "{num_vertices} vertices took {taken}, not {formula}");
+        drop(session);
+    }
+}
+
+#[test]
+fn daemon_takes_the_memory_of_a_session_that_it_estimates() {
+    let _guard = busy();
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let idle = daemon.memory();
+    let cloth = KnownCloth::new(100_000);
+    let registration = cloth.registration();
+    let (num_vertices, num_faces) = (registration.num_vertices, registration.triangles.len());
+    let mut session = client.register(registration).unwrap();
+    for _ in 0..4 {
+        cloth.exchange(&mut session, PATIENCE).unwrap();
+    }
+    let taken = daemon.memory() - idle;
+    let estimate =
+        untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, PayloadLayout::Packed);
+    println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
+    assert!(taken < estimate && estimate < 4 * taken, "{taken} bytes taken, {estimate} estimated");
+}
+
+#[test]
+fn session_beyond_the_memory_limit_is_refused_in_words() {
+    let domain = TestDomain::new();
+    let mut command = serve(&domain);
+    command.env("UNTANGLED_LIMITS__MAX_SESSION_MEMORY_MB", "10");
+    let _daemon = Daemon::start_as(command);
+    let client = domain.connect();
+    client.register(sheet(10)).unwrap().exchange(STEP, PATIENCE, fill_flat).unwrap();
+    match client.register(sheet(200)) {
+        Err(RegisterError::Request(RequestError::Refused { status: Status::TooLarge, message })) => {
+            assert!(message.contains("at most 10 MB") && message.contains("limits.max_session_memory_mb"), "{message}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
