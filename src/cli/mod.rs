@@ -6,10 +6,12 @@
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `certificate` | what readers of a file find in it, by the judge |
 //! | `limit` | their analysis, unless too much intersects |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
+mod certificate;
 pub mod check;
 mod config;
 pub mod demo;

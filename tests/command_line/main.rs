@@ -1,6 +1,7 @@
 //! `untangled` as a user or a script runs it.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod certificate;
 mod check;
 mod demo;
 mod fix;

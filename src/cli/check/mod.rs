@@ -22,6 +22,7 @@ use untangle::{
 use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
+    certificate::Certificate,
     input::{self, Input, InputError, is_same_file},
     limit::{MAX_FACE_PAIRS, analyse_within},
     outcome::{self, Outcome},
@@ -112,9 +113,11 @@ fn check_within(
     clock.start(StageTimes::MESH);
     let world = input::join(files, &meshes)?;
     let input = Input::new(&meshes, world, weld)?;
-    drop(meshes);
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
-    let report = Report::new(files, &input, &analysis, clock.times, list_face_pairs);
+    clock.start(StageTimes::CERTIFY);
+    let certificate = Certificate::of(&meshes, &input);
+    StageObserver::end(&mut clock);
+    let report = Report::new(files, &input, &analysis, certificate, clock.times, list_face_pairs);
     Ok((report, analysis))
 }
 

@@ -16,6 +16,7 @@ use untangle::{
     weld::Weld,
 };
 
+use crate::cli::certificate::Certificate;
 use crate::cli::input::Input;
 use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
@@ -53,6 +54,8 @@ pub struct Report {
     /// Intersecting pairs of triangles `i < j`, sorted, if asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face_pairs: Option<Vec<[u32; 2]>>,
+    /// What readers of the files find, by the judge.
+    pub certificate: Certificate,
     /// Time of each stage.
     pub time_us: StageTimes,
 }
@@ -97,6 +100,7 @@ pub struct StageTimes(Vec<(&'static str, u64)>);
 impl StageTimes {
     pub(super) const READ: &'static str = "read";
     pub(super) const MESH: &'static str = "mesh";
+    pub(super) const CERTIFY: &'static str = "certify";
 
     pub(super) fn add(&mut self, stage: &'static str, time: Duration) {
         self.0.push((stage, u64::try_from(time.as_micros()).unwrap_or(u64::MAX)));
@@ -165,6 +169,7 @@ impl Report {
         files: &[PathBuf],
         Input { weld, mesh, .. }: &Input,
         analysis: &Analysis,
+        certificate: Certificate,
         time_us: StageTimes,
         list_face_pairs: bool,
     ) -> Self {
@@ -186,6 +191,7 @@ impl Report {
             path_pairs: count_path_pairs(analysis),
             paths: paths.pairs.iter().map(|pair| PairReport::new(weld, analysis, pair)).collect(),
             face_pairs: list_face_pairs.then(face_pairs),
+            certificate,
             time_us,
         }
     }
@@ -220,6 +226,9 @@ impl Display for Report {
             let hits = Counted(self.num_edge_face_intersections, "edge-face intersection");
             writeln!(f, "  {pairs}, {hits}\n")?;
             self.path_table(f)?;
+        }
+        if self.num_face_pairs == 0 && !self.certificate.is_clean() {
+            write!(f, "  but not for every reader:\n{}", self.certificate)?;
         }
         if let Some(face_pairs) = &self.face_pairs {
             writeln!(f, "\n  face pairs")?;

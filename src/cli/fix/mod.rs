@@ -10,6 +10,7 @@
 //! | `plan` | what is written where |
 //! | `report` | counts, distortion and history, as JSON and as text |
 //! | `terminal` | the progress line and Ctrl-C |
+//! | `view` | what a round relaxes: the state as its files hold it, or as another reader sees it |
 //! | `repair` | relax, write, read back, check |
 
 mod args;
@@ -22,6 +23,7 @@ mod target;
 mod terminal;
 #[cfg(test)]
 mod tests;
+mod view;
 
 use std::time::Instant;
 
@@ -33,6 +35,7 @@ pub use error::FixError;
 pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
+    certificate::Certificate,
     input::{self, Input},
     limit::analyse_within,
     outcome::{self, Outcome},
@@ -63,11 +66,13 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let (input, pins) = world(args, &files)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = Counts::new(&analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?);
+    let analysis = analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?;
+    let before = Counts::new(&analysis, Certificate::of(&files, &input));
+    drop(analysis);
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
-    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
-    let Repaired { written, history, blocked, time_limit_reached } = if before.is_clean() {
+    let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let Repaired { written, history, blocked, time_limit_reached } = if before.is_certified() {
         interrupt.wait_for_files();
         Repaired::unchanged(repair.write(&input, &input.positions)?)
     } else {
@@ -80,7 +85,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         schema: "untangled.fix/1",
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
-        clean: after.is_clean(),
+        clean: after.is_certified(),
         num_welded_vertices: input.weld.num_merged(),
         time_limit_reached,
         num_iterations: history.len(),

@@ -128,6 +128,12 @@ impl Weld {
         self.welded.len()
     }
 
+    /// Whether only vertices in exactly one place are welded.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        !self.within
+    }
+
     /// Number of vertices that became one with an earlier one: so many fewer has the welded mesh.
     #[must_use]
     pub fn num_merged(&self) -> usize {

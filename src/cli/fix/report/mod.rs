@@ -15,6 +15,7 @@ use untangle::{
     relax::{BlockedPath, Iteration, STRETCH_LIMIT},
 };
 
+use crate::cli::certificate::Certificate;
 use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 pub use distortion::Distortion;
@@ -28,7 +29,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether an exact check of the outputs, read back, found no intersection.
+    /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
+    /// judge for all readers.
     pub clean: bool,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
@@ -59,20 +61,28 @@ pub struct Counts {
     pub num_face_pairs: usize,
     /// Number of path pairs by type.
     pub path_pairs: BTreeMap<PairType, usize>,
+    /// What readers of the files find, by the judge.
+    pub certificate: Certificate,
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis) -> Self {
+    pub(super) fn new(analysis: &Analysis, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
+            certificate,
         }
     }
 
-    /// Whether there is no intersection.
+    /// Whether there is no intersection in the files as they are.
     pub(super) fn is_clean(&self) -> bool {
         self.num_face_pairs == 0
+    }
+
+    /// Whether no reader of the files finds an intersection.
+    pub(super) fn is_certified(&self) -> bool {
+        self.is_clean() && self.certificate.is_clean()
     }
 }
 
@@ -111,7 +121,7 @@ impl Display for Report {
         if self.num_welded_vertices > 0 {
             writeln!(f, "  {}", welded(self.num_welded_vertices))?;
         }
-        if self.before.is_clean() && self.clean {
+        if self.before.is_certified() && self.clean {
             return writeln!(f, "  clean before: written unchanged");
         }
         writeln!(
@@ -123,6 +133,16 @@ impl Display for Report {
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
             self.after.num_edge_face_intersections,
         )?;
+        if self.before.is_clean() && !self.before.certificate.is_clean() {
+            write!(
+                f,
+                "  the input is clean in double precision as it is, but not for every reader:\n{}",
+                self.before.certificate
+            )?;
+        }
+        if !self.after.certificate.is_clean() {
+            write!(f, "  what readers of the output find:\n{}", self.after.certificate)?;
+        }
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
         for iteration in &self.history {
