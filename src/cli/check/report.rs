@@ -18,6 +18,7 @@ use untangle::{
 
 use crate::cli::certificate::Certificate;
 use crate::cli::input::Input;
+use crate::cli::owners::Owners;
 use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
@@ -56,8 +57,43 @@ pub struct Report {
     pub face_pairs: Option<Vec<[u32; 2]>>,
     /// What readers of the files find, by the judge.
     pub certificate: Certificate,
+    /// Who intersects whom, where files, objects or groups have names; most pairs first.
+    pub meetings: Vec<Meeting>,
     /// Time of each stage.
     pub time_us: StageTimes,
+    /// Whether people are told the times.
+    #[serde(skip)]
+    pub verbose: bool,
+}
+
+/// Two named parts of the world that intersect, or one that intersects itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Meeting {
+    /// Their names; what has none is "(unnamed)".
+    pub between: [String; 2],
+    /// Intersecting pairs of triangles.
+    pub num_face_pairs: usize,
+}
+
+/// Most meetings of which people are told; all are in the JSON document.
+const MOST_MEETINGS: usize = 20;
+
+impl Meeting {
+    pub(super) fn of(analysis: &Analysis, owners: &Owners<'_>) -> Vec<Self> {
+        let mut counts: BTreeMap<[Option<String>; 2], usize> = BTreeMap::new();
+        for segment in &analysis.intersections.segments {
+            let mut names = segment.faces.map(|face| owners.of_face(face.0));
+            names.sort();
+            *counts.entry(names).or_default() += 1;
+        }
+        counts.remove(&[None, None]);
+        let word = |name: Option<String>| name.unwrap_or_else(|| "(unnamed)".into());
+        let meeting =
+            |(names, num_face_pairs): ([Option<String>; 2], usize)| Self { between: names.map(word), num_face_pairs };
+        let mut meetings: Vec<Self> = counts.into_iter().map(meeting).collect();
+        meetings.sort_by_key(|meeting| std::cmp::Reverse(meeting.num_face_pairs));
+        meetings
+    }
 }
 
 /// One pair of corresponding paths.
@@ -192,6 +228,8 @@ impl Report {
             paths: paths.pairs.iter().map(|pair| PairReport::new(weld, analysis, pair)).collect(),
             face_pairs: list_face_pairs.then(face_pairs),
             certificate,
+            meetings: Vec::new(),
+            verbose: false,
             time_us,
         }
     }
@@ -226,6 +264,7 @@ impl Display for Report {
             let hits = Counted(self.num_edge_face_intersections, "edge-face intersection");
             writeln!(f, "  {pairs}, {hits}\n")?;
             self.path_table(f)?;
+            self.meeting_table(f)?;
         }
         if self.num_face_pairs == 0 && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
@@ -236,6 +275,9 @@ impl Display for Report {
                 writeln!(f, "  {first} {second}")?;
             }
         }
+        if !self.verbose {
+            return Ok(());
+        }
         let times: Vec<String> =
             self.time_us.0.iter().map(|(stage, us)| format!("{stage} {}.{:03} ms", us / 1000, us % 1000)).collect();
         writeln!(f, "\n  {}", times.join(", "))
@@ -243,6 +285,21 @@ impl Display for Report {
 }
 
 impl Report {
+    fn meeting_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.meetings.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\n  face pairs  who meets whom")?;
+        for Meeting { between: [first, second], num_face_pairs } in self.meetings.iter().take(MOST_MEETINGS) {
+            let whom = if first == second { "itself" } else { second };
+            writeln!(f, "  {num_face_pairs:>10}  {first} and {whom}")?;
+        }
+        if self.meetings.len() > MOST_MEETINGS {
+            writeln!(f, "  {:>10}  and fewer in {} more", "", Counted(self.meetings.len() - MOST_MEETINGS, "meeting"))?;
+        }
+        Ok(())
+    }
+
     fn path_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,

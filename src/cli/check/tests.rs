@@ -56,10 +56,13 @@ fn check_of_bad_files_names_the_file_and_the_element() {
 #[test]
 fn contours_format_of_an_input_or_of_another_format_is_an_error() {
     let (folder, files) = crossing();
-    let contours = |name: &str| contours_format(&folder.path().join(name), &files);
+    let contours = |name: &str| contours_format(&folder.path().join(name), &files, false);
     assert!(matches!(contours("a.obj"), Err(CheckError::ContoursOverInput(_))));
     std::os::unix::fs::symlink(&files[0], folder.path().join("link.ply")).unwrap();
     assert!(matches!(contours("link.ply"), Err(CheckError::ContoursOverInput(_))));
     assert!(matches!(contours("c.glb"), Err(CheckError::ContoursFormat(_))));
     assert_eq!(contours("c.PLY").unwrap(), FileFormat::Ply);
+    fs::write(folder.path().join("c.ply"), "").unwrap();
+    assert!(matches!(contours("c.ply"), Err(CheckError::ContoursExist(_))));
+    assert_eq!(contours_format(&folder.path().join("c.ply"), &files, true).unwrap(), FileFormat::Ply);
 }

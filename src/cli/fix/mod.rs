@@ -39,6 +39,7 @@ use super::{
     input::{self, Input},
     limit::analyse_within,
     outcome::{self, Outcome},
+    owners::Owners,
 };
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
@@ -72,7 +73,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
-    let Repaired { written, history, blocked, time_limit_reached } = if before.is_certified() {
+    let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
         interrupt.wait_for_files();
         Repaired::unchanged(repair.write(&input, &input.positions)?)
     } else {
@@ -80,6 +81,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
+    Blocked::name_owners(&mut blocked, &Owners::new(&files));
     let Written { staged, input: read_back, counts: after, .. } = written;
     let report = Report {
         schema: "untangled.fix/1",

@@ -189,7 +189,9 @@ impl Repair<'_> {
         interrupt.check()?;
         progress.say("checking what is written");
         // A solver that counts an iteration too many must not make the subtraction above overflow.
-        history.extend(relaxation.history.iter().take(max_iterations));
+        let own = relaxation.history.iter().take(max_iterations);
+        // The sum of no lengths is a negative zero.
+        history.extend(own.map(|step| Iteration { path_length_m: step.path_length_m + 0.0, ..*step }));
         let was_clean = is_clean(&view.mesh, &relaxation.positions)?;
         for ((position, start), seen) in relaxation.positions.iter_mut().zip(&welded).zip(&seen) {
             // A reader may see rounded positions, or tiny ones as zero. What did not move keeps its bits.
@@ -224,12 +226,12 @@ impl Repair<'_> {
             let copy = paths.copies[pair.copies.clone()].first()?;
             let face = paths.segments[copy.segments.clone()].first()?.own;
             let vertex = pair.loop_vertices.first().copied().unwrap_or(written.input.mesh.face(face)[0]);
-            Some(Blocked {
+            Some(Blocked::from(BlockedPath {
                 pair_type: pair.pair_type,
                 vertex: written.input.weld.first(vertex),
                 length_m: pair.length_m,
                 reason: reason.clone(),
-            })
+            }))
         });
         blocked.collect()
     }

@@ -16,6 +16,7 @@ use untangle::{
 };
 
 use crate::cli::certificate::Certificate;
+use crate::cli::owners::{OwnedVertex, Owners};
 use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 pub use distortion::Distortion;
@@ -91,8 +92,14 @@ impl Counts {
 pub struct Blocked {
     /// Its type.
     pub pair_type: PairType,
-    /// A vertex next to it, counted over all files.
+    /// A vertex next to it, counted from 0 over all files.
     pub vertex: u32,
+    /// The file of that vertex.
+    pub file: String,
+    /// The vertex counted from 0 in its file.
+    pub vertex_in_file: usize,
+    /// The object or group that it stands in, if that has a name.
+    pub part: Option<String>,
     /// Its length in metres.
     pub length_m: f64,
     /// Why, in words.
@@ -102,9 +109,24 @@ pub struct Blocked {
 impl From<BlockedPath> for Blocked {
     fn from(path: BlockedPath) -> Self {
         let BlockedPath { pair_type, vertex, length_m, reason } = path;
-        Self { pair_type, vertex, length_m, reason }
+        Self { pair_type, vertex, file: String::new(), vertex_in_file: vertex as usize, part: None, length_m, reason }
     }
 }
+
+impl Blocked {
+    /// Says to whom the vertices of paths belong.
+    pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
+        let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
+        for (path, owner) in blocked.iter_mut().zip(of) {
+            if let Some(OwnedVertex { file, vertex_in_file, part }) = owner {
+                (path.file, path.vertex_in_file, path.part) = (file, vertex_in_file, part);
+            }
+        }
+    }
+}
+
+/// Most paths that were left of which people are told; all are in the JSON document.
+const MOST_LEFT: usize = 10;
 
 impl Report {
     /// The document on one line.
@@ -140,8 +162,9 @@ impl Display for Report {
                 self.before.certificate
             )?;
         }
-        if !self.after.certificate.is_clean() {
-            write!(f, "  what readers of the output find:\n{}", self.after.certificate)?;
+        let by_readers = self.after.certificate.to_string();
+        if !by_readers.is_empty() {
+            write!(f, "  what readers of the output find:\n{}", by_readers)?;
         }
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
@@ -170,8 +193,19 @@ impl Display for Report {
                 Counted(num_overstretched_edges, "edge"),
             )?;
         }
-        for Blocked { pair_type, vertex, length_m, reason } in &self.blocked {
-            writeln!(f, "  left: {} of {length_m:.5} m at vertex {vertex}: {reason}", name_of(pair_type))?;
+        let mut longest: Vec<&Blocked> = self.blocked.iter().collect();
+        longest.sort_by(|a, b| b.length_m.total_cmp(&a.length_m));
+        for Blocked { pair_type, file, vertex_in_file, part, length_m, reason, .. } in longest.iter().take(MOST_LEFT) {
+            let part = part.as_ref().map_or_else(String::new, |part| format!(", {part}"));
+            let name = name_of(pair_type);
+            writeln!(f, "  left: {name} of {length_m:.5} m at vertex {vertex_in_file} of {file}{part}: {reason}")?;
+        }
+        if self.blocked.len() > MOST_LEFT {
+            let more = Counted(self.blocked.len() - MOST_LEFT, "shorter path");
+            writeln!(f, "  left: {more}; --json and --report list all")?;
+        }
+        if !self.blocked.is_empty() {
+            writeln!(f, "  vertices are counted from 0 in each file")?;
         }
         Ok(())
     }
