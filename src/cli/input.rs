@@ -8,11 +8,14 @@ use std::{
 
 use thiserror::Error;
 
+use untangle::weld::{Weld, WeldError};
 use untangle::{
     frame::{Frame, FrameError},
     mesh::{Mesh, MeshError, VertexId},
 };
 use untangled_mesh_io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh};
+
+use super::weld::WeldArg;
 
 /// Why files can't be analysed.
 #[derive(Debug, Error)]
@@ -35,6 +38,14 @@ pub enum InputError {
         files: String,
         /// What is wrong.
         source: MeshError,
+    },
+    /// What was read can't be welded.
+    #[error("{files}: {source}")]
+    Weld {
+        /// The files.
+        files: String,
+        /// What is wrong.
+        source: WeldError,
     },
     /// A coordinate is beyond the range of exact arithmetic.
     #[error("{}{}: {source}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
@@ -66,37 +77,50 @@ pub(super) fn join(paths: &[PathBuf], meshes: &[MeshFile]) -> Result<World, Inpu
     concatenate(meshes).map_err(|source| InputError::World { files: names(paths), source })
 }
 
-/// A validated world: its mesh, its positions in metres, `num_vertices x 3`, and the frame of these.
+/// A validated world, welded.
 #[derive(Clone, Debug)]
 pub(super) struct Input {
+    /// Which vertices of the files are one vertex of the mesh.
+    pub(super) weld: Weld,
+    /// The welded mesh.
     pub(super) mesh: Mesh,
+    /// Positions of the vertices of the files in metres, `num_vertices x 3`.
     pub(super) positions: Vec<[f64; 3]>,
+    /// Positions of the vertices of the mesh.
     pub(super) frame: Frame,
 }
 
 impl Input {
-    /// Validates the world of `files`.
-    pub(super) fn new(files: &[MeshFile], world: World) -> Result<Self, InputError> {
-        let World { description, positions, file_vertices, .. } = world;
-        let mesh = Mesh::new(description).map_err(|source| {
-            let paths: Vec<_> = files.iter().map(|file| file.path().to_path_buf()).collect();
-            InputError::Mesh { files: names(&paths), source }
-        })?;
-        let frame = Frame::new(&mesh, &positions).map_err(|source| locate(source, files, &file_vertices))?;
-        Ok(Self { mesh, positions, frame })
+    /// Welds and validates the world of `files`.
+    pub(super) fn new(files: &[MeshFile], world: World, weld: WeldArg) -> Result<Self, InputError> {
+        let weld = weld
+            .find(&world.description, &world.positions, &world.file_vertices)
+            .map_err(|source| InputError::Weld { files: names_of(files), source })?;
+        Self::with_weld(files, world, weld)
     }
 
-    /// Whether a vertex is pinned.
+    /// Validates the world of `files`, with a weld that is known.
+    pub(super) fn with_weld(files: &[MeshFile], world: World, weld: Weld) -> Result<Self, InputError> {
+        let World { description, positions, file_vertices, .. } = world;
+        let mesh = Mesh::new(weld.describe(&description))
+            .map_err(|source| InputError::Mesh { files: names_of(files), source })?;
+        let frame = Frame::new(&mesh, &weld.gather(&positions))
+            .map_err(|source| locate(source, &weld, files, &file_vertices))?;
+        Ok(Self { weld, mesh, positions, frame })
+    }
+
+    /// Whether a vertex of the files is pinned.
     pub(super) fn is_pinned(&self, vertex: usize) -> bool {
-        u32::try_from(vertex).is_ok_and(|vertex| self.mesh.is_pinned(VertexId(vertex)))
+        u32::try_from(vertex).is_ok_and(|vertex| self.mesh.is_pinned(self.weld.of(vertex)))
     }
 }
 
 /// Adds the file and the line to the error of a position.
-fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]) -> InputError {
+fn locate(source: FrameError, weld: &Weld, files: &[MeshFile], file_vertices: &[Range<usize>]) -> InputError {
     let FrameError::Coordinate { vertex, axis, value } = source else {
         unreachable!("files have one position for each vertex: {source}");
     };
+    let vertex = weld.first(VertexId::from_index(vertex)) as usize;
     let owner = files.iter().zip(file_vertices).find(|(_, range)| range.contains(&vertex));
     owner.map_or_else(
         || unreachable!("vertex {vertex} belongs to no file"),
@@ -108,6 +132,10 @@ fn locate(source: FrameError, files: &[MeshFile], file_vertices: &[Range<usize>]
             InputError::Frame { path: file.path().to_path_buf(), line, source }
         },
     )
+}
+
+fn names_of(files: &[MeshFile]) -> String {
+    names(&files.iter().map(|file| file.path().to_path_buf()).collect::<Vec<_>>())
 }
 
 pub(super) fn names(paths: &[PathBuf]) -> String {

@@ -4,11 +4,15 @@
 //! |---|---|
 //! | `outcome` | how a command ends, and printing |
 //! | `wording` | words that reports, tables and pictures share |
+//! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `owners` | the file, object or group of a vertex or a face |
+//! | `certificate` | what readers of a file find in it, by the judge |
 //! | `limit` | their analysis, unless too much intersects |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
+mod certificate;
 pub mod check;
 mod config;
 pub mod demo;
@@ -16,9 +20,11 @@ pub mod fix;
 pub mod input;
 mod limit;
 mod outcome;
+mod owners;
 pub mod picture;
 mod serve;
 mod status;
+mod weld;
 mod wording;
 
 use std::process::ExitCode;

@@ -31,13 +31,22 @@ pub(super) fn json_line(report: &impl Serialize) -> String {
     text
 }
 
-/// `1 face`, `2 faces`.
+/// How many vertices were welded.
+pub(super) fn welded(count: usize) -> String {
+    let (vertices, are) = (Counted(count, "vertex"), if count == 1 { "is" } else { "are" });
+    format!("{vertices} {are} one with another in the same place (--weld off keeps them apart)")
+}
+
+/// `1 face`, `2 faces`; `1 vertex`, `2 vertices`.
 pub(super) struct Counted(pub(super) usize, pub(super) &'static str);
 
 impl Display for Counted {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self(count, noun) = self;
-        let plural = if *count == 1 { "" } else { "s" };
-        write!(f, "{count} {noun}{plural}")
+        match (count, noun.strip_suffix("ex")) {
+            (1, _) => write!(f, "{count} {noun}"),
+            (_, Some(stem)) => write!(f, "{count} {stem}ices"),
+            _ => write!(f, "{count} {noun}s"),
+        }
     }
 }

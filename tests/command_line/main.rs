@@ -1,8 +1,8 @@
 //! `untangled` as a user or a script runs it.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod certificate;
 mod check;
-mod check_formats;
 mod demo;
 mod fix;
 mod fix_files;
@@ -11,3 +11,4 @@ mod manual;
 mod mesh_folder;
 mod publish;
 mod strangers;
+mod weld;

@@ -24,7 +24,9 @@ pub(crate) fn code(output: &Output) -> i32 {
 }
 
 pub(crate) fn json(output: &Output) -> Value {
-    assert!(output.stderr.is_empty(), "{output:?}");
+    // A long repair says how far it is.
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.lines().all(|line| line.starts_with("untangled: iteration ")), "{output:?}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 

@@ -1,17 +1,31 @@
-//! The judge: an exact test of whether a cloth touches or crosses itself. It shares no code with the untangler, on
+//! The judge: exact tests of whether a cloth touches or crosses itself. It shares no code with the untangler, on
 //! purpose, so that a fault of the untangler can't hide itself.
 //!
-//! Tested are all pairs of an edge and a triangle without a common vertex, as closed sets: touching counts. Every
-//! decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*. There is
-//! no perturbation and no tolerance. Pairs come from a sweep along one axis, whose comparisons are exact too.
+//! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*.
+//! There is no perturbation and no tolerance. Two questions are answered:
+//!
+//! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets. Touching
+//!   counts.
+//! - [`crossings`]: which triangles cross *properly*, so that no small motion parts them. Touching does not count.
+//!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles.
+//!
+//! Pairs come from a tree of boxes, whose comparisons are exact too.
 
+mod crossing;
+mod fans;
 mod primitive;
+mod surface;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 use thiserror::Error;
 
+pub use fans::{PolygonRef, fan_crossings};
 pub use primitive::Point;
+pub use surface::{Crossings, crossings};
+
+use tree::{Extent, Tree};
 
 /// A cloth that can't be judged.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -51,46 +65,42 @@ pub fn count_edge_face(positions: &[Point], triangles: &[[u32; 3]]) -> Result<us
 
 /// All pairs of an edge and a triangle that share no vertex and have a point in common, ascending.
 ///
-/// Cost: O(n log n) and a box test for each pair whose extents overlap along the longest axis of the cloth.
+/// Cost: O(n log n) and a test for each pair of triangles whose boxes overlap.
 ///
 /// # Errors
 /// [`CheckError`], naming the vertex or triangle at fault.
 pub fn edge_face_hits(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Vec<EdgeFaceHit>, CheckError> {
     validate(positions, triangles)?;
-    let axis = longest_axis(positions);
-    let edges = sorted_by_start(unique_edges(triangles), axis, |edge| Extent::of(edge.map(|v| positions[v as usize])));
-    let faces = sorted_by_start((0..).zip(triangles.iter().copied()).collect(), axis, |(_, triangle)| {
-        Extent::of(triangle.map(|v| positions[v as usize]))
-    });
-
     let mut hits = Vec::new();
-    let mut test = |&(edge, ref edge_extent): &([u32; 2], Extent), &(face, ref extent): &((u32, [u32; 3]), Extent)| {
-        let (index, triangle) = face;
-        if extent.overlaps(edge_extent)
-            && edge.iter().all(|vertex| !triangle.contains(vertex))
-            && primitive::segment_meets_triangle(
-                edge.map(|vertex| positions[vertex as usize]),
-                triangle.map(|vertex| positions[vertex as usize]),
-            )
-        {
-            hits.push(EdgeFaceHit { edge, triangle: index });
+    let mut test = |index: u32, other: u32| {
+        let triangle = triangles[index as usize];
+        let [a, b, c] = triangles[other as usize];
+        for edge in [[a.min(b), a.max(b)], [b.min(c), b.max(c)], [c.min(a), c.max(a)]] {
+            if edge.iter().all(|vertex| !triangle.contains(vertex))
+                && primitive::segment_meets_triangle(
+                    edge.map(|vertex| positions[vertex as usize]),
+                    triangle.map(|vertex| positions[vertex as usize]),
+                )
+            {
+                hits.push(EdgeFaceHit { edge, triangle: index });
+            }
         }
     };
-    // Of two overlapping intervals one starts inside the other: at its start, both at once, or later.
-    for face in &faces {
-        let first = edges.partition_point(|(_, extent)| extent.low[axis] < face.1.low[axis]);
-        for edge in edges[first..].iter().take_while(|(_, extent)| extent.low[axis] <= face.1.high[axis]) {
-            test(edge, face);
-        }
-    }
-    for edge in &edges {
-        let first = faces.partition_point(|(_, extent)| extent.low[axis] <= edge.1.low[axis]);
-        for face in faces[first..].iter().take_while(|(_, extent)| extent.low[axis] <= edge.1.high[axis]) {
-            test(edge, face);
-        }
-    }
+    tree_of(positions, triangles).pairs(&mut |first, second| {
+        test(first, second);
+        test(second, first);
+        true
+    });
+    // An edge of two triangles was tested for both.
     hits.sort_unstable();
+    hits.dedup();
     Ok(hits)
+}
+
+/// The tree of the boxes of all triangles.
+fn tree_of(positions: &[Point], triangles: &[[u32; 3]]) -> Tree {
+    let extent = |triangle: &[u32; 3]| Extent::of(triangle.map(|vertex| positions[vertex as usize]));
+    Tree::new(triangles.iter().map(extent).collect())
 }
 
 /// Pairs of triangles that an edge-face hit makes touch or cross, lower index first, ascending. Pairs that share one
@@ -125,50 +135,4 @@ fn validate(positions: &[Point], triangles: &[[u32; 3]]) -> Result<(), CheckErro
         }
     }
     Ok(())
-}
-
-fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a.min(b), a.max(b)], [b.min(c), b.max(c)], [c.min(a), c.max(a)]])
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
-    edges
-}
-
-fn longest_axis(positions: &[Point]) -> usize {
-    let extent = Extent::of(positions.iter().copied());
-    let length = |axis: usize| extent.high[axis] - extent.low[axis];
-    (1..3).fold(0, |best, axis| if length(axis) > length(best) { axis } else { best })
-}
-
-fn sorted_by_start<T: Copy + Ord>(items: Vec<T>, axis: usize, extent: impl Fn(T) -> Extent) -> Vec<(T, Extent)> {
-    let mut items: Vec<_> = items.into_iter().map(|item| (item, extent(item))).collect();
-    items.sort_unstable_by(|a, b| a.1.low[axis].total_cmp(&b.1.low[axis]).then(a.0.cmp(&b.0)));
-    items
-}
-
-/// A box with sides along the axes. Made of input coordinates only: nothing is rounded.
-#[derive(Clone, Copy, Debug)]
-struct Extent {
-    low: Point,
-    high: Point,
-}
-
-impl Extent {
-    fn of(points: impl IntoIterator<Item = Point>) -> Self {
-        let empty = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-        points.into_iter().fold(empty, |mut extent, point| {
-            for ((low, high), value) in extent.low.iter_mut().zip(&mut extent.high).zip(point) {
-                *low = low.min(value);
-                *high = high.max(value);
-            }
-            extent
-        })
-    }
-
-    fn overlaps(&self, other: &Self) -> bool {
-        (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
-    }
 }

@@ -5,7 +5,7 @@ use robust::{Coord, Coord3D};
 /// A position in metres.
 pub type Point = [f64; 3];
 
-type Point2 = [f64; 2];
+pub(crate) type Point2 = [f64; 2];
 
 /// Whether a segment and a triangle have a point in common. Either may be degenerate: a segment of no length, a
 /// triangle of no area.
@@ -59,8 +59,9 @@ fn segments_meet_in_plane([p, q]: [Point2; 2], [a, b]: [Point2; 2]) -> bool {
     boxes_overlap && straddles(orient2d(p, q, a), orient2d(p, q, b)) && straddles(orient2d(a, b, p), orient2d(a, b, q))
 }
 
+/// The sign of a determinant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sign {
+pub(crate) enum Sign {
     Negative,
     Zero,
     Positive,
@@ -76,17 +77,17 @@ fn sign(value: f64) -> Sign {
     }
 }
 
-fn orient2d(a: Point2, b: Point2, c: Point2) -> Sign {
+pub(crate) fn orient2d(a: Point2, b: Point2, c: Point2) -> Sign {
     let coord = |[x, y]: Point2| Coord { x, y };
     sign(robust::orient2d(coord(a), coord(b), coord(c)))
 }
 
-fn orient3d(a: Point, b: Point, c: Point, d: Point) -> Sign {
+pub(crate) fn orient3d(a: Point, b: Point, c: Point, d: Point) -> Sign {
     let coord = |[x, y, z]: Point| Coord3D { x, y, z };
     sign(robust::orient3d(coord(a), coord(b), coord(c), coord(d)))
 }
 
 /// The point seen along an axis.
-fn project(point: Point, axis: usize) -> Point2 {
+pub(crate) fn project(point: Point, axis: usize) -> Point2 {
     [point[(axis + 1) % 3], point[(axis + 2) % 3]]
 }

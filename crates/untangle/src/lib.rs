@@ -30,6 +30,8 @@ pub mod predicates;
 pub mod mesh;
 mod sparse_map;
 
+pub mod weld;
+
 pub mod settings;
 pub mod stage;
 

@@ -22,11 +22,14 @@ use untangle::{
 use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
+    certificate::Certificate,
     input::{self, Input, InputError, is_same_file},
     limit::{MAX_FACE_PAIRS, analyse_within},
     outcome::{self, Outcome},
+    owners::Owners,
+    weld::WeldArg,
 };
-use report::StageTimes;
+use report::{Meeting, StageTimes};
 
 /// Finds all intersections of one mesh, or of several in one world.
 ///
@@ -45,6 +48,16 @@ pub struct CheckArgs {
     /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
     #[arg(long, value_name = "FILE")]
     pub contours: Option<PathBuf>,
+    /// Replace the file of `--contours` if it exists; never an input
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Say how long each stage took
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Vertices in one place that are one along seams: those in `exact`ly one place, those within so many METRES, or
+    /// none (`off`)
+    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
+    pub weld: WeldArg,
     /// End with an error where more pairs of triangles intersect: a million takes half a gigabyte
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
@@ -62,6 +75,12 @@ pub enum CheckError {
     /// `--contours` names an input.
     #[error("{}: is an input and would be overwritten by the contours", .0.display())]
     ContoursOverInput(PathBuf),
+    /// `--contours` names a file that exists.
+    #[error("{}: exists; --overwrite replaces it", .0.display())]
+    ContoursExist(PathBuf),
+    /// `--contours` names a file that may not be written.
+    #[error("{}: is write-protected, and --overwrite does not replace such files", .0.display())]
+    ContoursProtected(PathBuf),
     /// An output can't be written.
     #[error("{}: can't be written: {source}", path.display())]
     Write {
@@ -77,11 +96,13 @@ pub enum CheckError {
 /// # Errors
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
-    let contours = args.contours.as_deref().map(|path| contours_format(path, &args.files)).transpose()?;
-    let (report, analysis) = check_within(&args.files, args.face_pairs, args.max_face_pairs)?;
+    let contours =
+        args.contours.as_deref().map(|path| contours_format(path, &args.files, args.overwrite)).transpose()?;
+    let (mut report, analysis) = check_within(&args.files, args.weld, args.face_pairs, args.max_face_pairs)?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
+    report.verbose = args.verbose;
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
     Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
@@ -91,12 +112,13 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 ///
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
-pub fn check(files: &[PathBuf], list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
-    check_within(files, list_face_pairs, MAX_FACE_PAIRS)
+pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
+    check_within(files, weld, list_face_pairs, MAX_FACE_PAIRS)
 }
 
 fn check_within(
     files: &[PathBuf],
+    weld: WeldArg,
     list_face_pairs: bool,
     max_face_pairs: u64,
 ) -> Result<(Report, Analysis), CheckError> {
@@ -105,20 +127,31 @@ fn check_within(
     let meshes = input::read_files(files)?;
     clock.start(StageTimes::MESH);
     let world = input::join(files, &meshes)?;
-    let input = Input::new(&meshes, world)?;
-    drop(meshes);
+    let input = Input::new(&meshes, world, weld)?;
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
-    let report = Report::new(files, &input.mesh, &analysis, clock.times, list_face_pairs);
+    clock.start(StageTimes::CERTIFY);
+    let certificate = Certificate::of(&meshes, &input);
+    StageObserver::end(&mut clock);
+    let mut report = Report::new(files, &input, &analysis, certificate, clock.times, list_face_pairs);
+    report.meetings = Meeting::of(&analysis, &Owners::new(&meshes));
     Ok((report, analysis))
 }
 
 /// The format of the contours, if they may be written there.
-fn contours_format(path: &Path, inputs: &[PathBuf]) -> Result<FileFormat, CheckError> {
+fn contours_format(path: &Path, inputs: &[PathBuf], overwrite: bool) -> Result<FileFormat, CheckError> {
     let format = FileFormat::of_name(path)
         .filter(|format| *format != FileFormat::Gltf)
         .ok_or_else(|| CheckError::ContoursFormat(path.to_path_buf()))?;
     if inputs.iter().any(|input| is_same_file(path, input)) {
         return Err(CheckError::ContoursOverInput(path.to_path_buf()));
+    }
+    if let Ok(metadata) = path.symlink_metadata() {
+        if !overwrite {
+            return Err(CheckError::ContoursExist(path.to_path_buf()));
+        }
+        if metadata.permissions().readonly() {
+            return Err(CheckError::ContoursProtected(path.to_path_buf()));
+        }
     }
     Ok(format)
 }

@@ -11,11 +11,15 @@ use serde::Serialize;
 
 use untangle::{
     analysis::Analysis,
-    mesh::Mesh,
+    mesh::VertexId,
     paths::{ChainEnd, PairType, PathPair, PathType},
+    weld::Weld,
 };
 
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
+use crate::cli::certificate::Certificate;
+use crate::cli::input::Input;
+use crate::cli::owners::Owners;
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
 #[derive(Clone, Debug, Serialize)]
@@ -26,6 +30,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// Vertices of all files, including unused ones.
     pub num_vertices: usize,
+    /// Vertices that are one with an earlier one in their place.
+    pub num_welded_vertices: usize,
     /// Triangles.
     pub num_faces: usize,
     /// Triangles with a repeated vertex, which have no area to intersect.
@@ -49,8 +55,45 @@ pub struct Report {
     /// Intersecting pairs of triangles `i < j`, sorted, if asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face_pairs: Option<Vec<[u32; 2]>>,
+    /// What readers of the files find, by the judge.
+    pub certificate: Certificate,
+    /// Who intersects whom, where files, objects or groups have names; most pairs first.
+    pub meetings: Vec<Meeting>,
     /// Time of each stage.
     pub time_us: StageTimes,
+    /// Whether people are told the times.
+    #[serde(skip)]
+    pub verbose: bool,
+}
+
+/// Two named parts of the world that intersect, or one that intersects itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Meeting {
+    /// Their names; what has none is "(unnamed)".
+    pub between: [String; 2],
+    /// Intersecting pairs of triangles.
+    pub num_face_pairs: usize,
+}
+
+/// Most meetings of which people are told; all are in the JSON document.
+const MOST_MEETINGS: usize = 20;
+
+impl Meeting {
+    pub(super) fn of(analysis: &Analysis, owners: &Owners<'_>) -> Vec<Self> {
+        let mut counts: BTreeMap<[Option<String>; 2], usize> = BTreeMap::new();
+        for segment in &analysis.intersections.segments {
+            let mut names = segment.faces.map(|face| owners.of_face(face.0));
+            names.sort();
+            *counts.entry(names).or_default() += 1;
+        }
+        counts.remove(&[None, None]);
+        let word = |name: Option<String>| name.unwrap_or_else(|| "(unnamed)".into());
+        let meeting =
+            |(names, num_face_pairs): ([Option<String>; 2], usize)| Self { between: names.map(word), num_face_pairs };
+        let mut meetings: Vec<Self> = counts.into_iter().map(meeting).collect();
+        meetings.sort_by_key(|meeting| std::cmp::Reverse(meeting.num_face_pairs));
+        meetings
+    }
 }
 
 /// One pair of corresponding paths.
@@ -64,9 +107,9 @@ pub struct PairReport {
     pub num_segments: usize,
     /// Length in the world, in metres.
     pub length_m: f64,
-    /// Loop vertices.
+    /// Loop vertices; of a welded one the lowest index.
     pub loop_vertices: Vec<u32>,
-    /// Free ends.
+    /// Free ends; of welded vertices the lowest indices.
     pub ends: Vec<ChainEnd>,
     /// Its paths after splitting.
     pub copies: Vec<CopyReport>,
@@ -80,7 +123,7 @@ pub struct CopyReport {
     pub path_type: PathType,
     /// Number of triangles that it passes through, counted each time.
     pub num_segments: usize,
-    /// Vertices inside, ascending; `None` for II and BI.
+    /// Vertices inside, ascending, of welded ones all; `None` for II and BI.
     pub inside_vertices: Option<Vec<u32>>,
     /// Whether it partitions the cloth.
     pub partitioning: bool,
@@ -93,6 +136,7 @@ pub struct StageTimes(Vec<(&'static str, u64)>);
 impl StageTimes {
     pub(super) const READ: &'static str = "read";
     pub(super) const MESH: &'static str = "mesh";
+    pub(super) const CERTIFY: &'static str = "certify";
 
     pub(super) fn add(&mut self, stage: &'static str, time: Duration) {
         self.0.push((stage, u64::try_from(time.as_micros()).unwrap_or(u64::MAX)));
@@ -106,30 +150,51 @@ impl Serialize for StageTimes {
 }
 
 impl PairReport {
-    fn new(analysis: &Analysis, pair: &PathPair) -> Self {
+    fn new(weld: &Weld, analysis: &Analysis, pair: &PathPair) -> Self {
         Self {
             pair_type: pair.pair_type,
             closed: pair.closed,
             num_segments: pair.num_segments,
             length_m: pair.length_m,
-            loop_vertices: pair.loop_vertices.iter().map(|vertex| vertex.0).collect(),
-            ends: pair.ends.to_vec(),
-            copies: pair.copies.clone().map(|at| CopyReport::new(analysis, at)).collect(),
+            loop_vertices: pair.loop_vertices.iter().map(|&vertex| weld.first(vertex)).collect(),
+            ends: pair.ends.iter().map(|&end| in_files(weld, end)).collect(),
+            copies: pair.copies.clone().map(|at| CopyReport::new(weld, analysis, at)).collect(),
         }
     }
 }
 
+/// An end by the vertices of the files.
+fn in_files(weld: &Weld, end: ChainEnd) -> ChainEnd {
+    let first = |vertex: u32| weld.first(VertexId(vertex));
+    let edge_in_files = |edge: [u32; 2]| {
+        let mut edge = edge.map(first);
+        edge.sort_unstable();
+        edge
+    };
+    match end {
+        ChainEnd::Boundary { edge, face } => ChainEnd::Boundary { edge: edge_in_files(edge), face },
+        ChainEnd::Junction { edge, face } => ChainEnd::Junction { edge: edge_in_files(edge), face },
+        ChainEnd::Loop { vertex } => ChainEnd::Loop { vertex: first(vertex) },
+    }
+}
+
 impl CopyReport {
-    fn new(analysis: &Analysis, at: usize) -> Self {
+    fn new(weld: &Weld, analysis: &Analysis, at: usize) -> Self {
         let Analysis { paths, regions, .. } = analysis;
         let copy = &paths.copies[at];
         // II and BI bound no region alone; a region that both paths of a pair bound belongs to neither.
         let has_own = !matches!(copy.path_type, PathType::InsideInside | PathType::BoundaryInside);
         let region = regions.by_copy[at].as_ref().filter(|_| has_own);
+        let inside = || {
+            let inside = regions.vertices_of(at).iter();
+            let mut vertices: Vec<u32> = inside.flat_map(|&vertex| weld.copies(vertex)).copied().collect();
+            vertices.sort_unstable();
+            vertices
+        };
         Self {
             path_type: copy.path_type,
             num_segments: copy.segments.len(),
-            inside_vertices: region.map(|_| regions.vertices_of(at).iter().map(|vertex| vertex.0).collect()),
+            inside_vertices: region.map(|_| inside()),
             partitioning: region.is_some_and(|region| region.partitioning),
         }
     }
@@ -138,8 +203,9 @@ impl CopyReport {
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
-        mesh: &Mesh,
+        Input { weld, mesh, .. }: &Input,
         analysis: &Analysis,
+        certificate: Certificate,
         time_us: StageTimes,
         list_face_pairs: bool,
     ) -> Self {
@@ -148,7 +214,8 @@ impl Report {
         Self {
             schema: "untangled.check/1",
             files: files.iter().map(|path| path.display().to_string()).collect(),
-            num_vertices: mesh.num_vertices(),
+            num_vertices: weld.num_vertices(),
+            num_welded_vertices: weld.num_merged(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
             num_pieces: mesh.num_pieces(),
@@ -158,8 +225,11 @@ impl Report {
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
-            paths: paths.pairs.iter().map(|pair| PairReport::new(analysis, pair)).collect(),
+            paths: paths.pairs.iter().map(|pair| PairReport::new(weld, analysis, pair)).collect(),
             face_pairs: list_face_pairs.then(face_pairs),
+            certificate,
+            meetings: Vec::new(),
+            verbose: false,
             time_us,
         }
     }
@@ -181,6 +251,9 @@ impl Display for Report {
         }
         write!(f, "{}", Counted(self.num_boundary_edges, "boundary edge"))?;
         writeln!(f, "{}", if self.manifold { "" } else { ", not manifold" })?;
+        if self.num_welded_vertices > 0 {
+            writeln!(f, "  {}", welded(self.num_welded_vertices))?;
+        }
         if self.num_ignored_faces > 0 {
             writeln!(f, "  {} with a repeated vertex ignored", Counted(self.num_ignored_faces, "face"))?;
         }
@@ -191,12 +264,19 @@ impl Display for Report {
             let hits = Counted(self.num_edge_face_intersections, "edge-face intersection");
             writeln!(f, "  {pairs}, {hits}\n")?;
             self.path_table(f)?;
+            self.meeting_table(f)?;
+        }
+        if self.num_face_pairs == 0 && !self.certificate.is_clean() {
+            write!(f, "  but not for every reader:\n{}", self.certificate)?;
         }
         if let Some(face_pairs) = &self.face_pairs {
             writeln!(f, "\n  face pairs")?;
             for [first, second] in face_pairs {
                 writeln!(f, "  {first} {second}")?;
             }
+        }
+        if !self.verbose {
+            return Ok(());
         }
         let times: Vec<String> =
             self.time_us.0.iter().map(|(stage, us)| format!("{stage} {}.{:03} ms", us / 1000, us % 1000)).collect();
@@ -205,6 +285,21 @@ impl Display for Report {
 }
 
 impl Report {
+    fn meeting_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.meetings.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\n  face pairs  who meets whom")?;
+        for Meeting { between: [first, second], num_face_pairs } in self.meetings.iter().take(MOST_MEETINGS) {
+            let whom = if first == second { "itself" } else { second };
+            writeln!(f, "  {num_face_pairs:>10}  {first} and {whom}")?;
+        }
+        if self.meetings.len() > MOST_MEETINGS {
+            writeln!(f, "  {:>10}  and fewer in {} more", "", Counted(self.meetings.len() - MOST_MEETINGS, "meeting"))?;
+        }
+        Ok(())
+    }
+
     fn path_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,

@@ -16,7 +16,7 @@ fn crossing() -> (tempfile::TempDir, Vec<PathBuf>) {
 #[test]
 fn check_of_crossing_triangles_reports_every_field_of_the_contract() {
     let (_folder, files) = crossing();
-    let (report, _) = check(&files, true).unwrap();
+    let (report, _) = check(&files, WeldArg::Exact, true).unwrap();
     let json: serde_json::Value = serde_json::from_str(&report.to_json()).unwrap();
     assert_eq!(json["schema"], "untangled.check/1");
     let counts = [("num_vertices", 6), ("num_faces", 2), ("num_pieces", 2), ("num_boundary_edges", 6)];
@@ -49,17 +49,20 @@ fn check_of_crossing_triangles_reports_every_field_of_the_contract() {
 fn check_of_bad_files_names_the_file_and_the_element() {
     let (_folder, files) = crossing();
     fs::write(&files[1], "v 0 0 0\nv 1 1e200 0\nv 2 0 1\nf 1 2 3\n").unwrap();
-    let message = check(&files, false).unwrap_err().to_string();
+    let message = check(&files, WeldArg::Exact, false).unwrap_err().to_string();
     assert!(message.contains("b.obj:2: vertex 2 has coordinate y"), "{message}");
 }
 
 #[test]
 fn contours_format_of_an_input_or_of_another_format_is_an_error() {
     let (folder, files) = crossing();
-    let contours = |name: &str| contours_format(&folder.path().join(name), &files);
+    let contours = |name: &str| contours_format(&folder.path().join(name), &files, false);
     assert!(matches!(contours("a.obj"), Err(CheckError::ContoursOverInput(_))));
     std::os::unix::fs::symlink(&files[0], folder.path().join("link.ply")).unwrap();
     assert!(matches!(contours("link.ply"), Err(CheckError::ContoursOverInput(_))));
     assert!(matches!(contours("c.glb"), Err(CheckError::ContoursFormat(_))));
     assert_eq!(contours("c.PLY").unwrap(), FileFormat::Ply);
+    fs::write(folder.path().join("c.ply"), "").unwrap();
+    assert!(matches!(contours("c.ply"), Err(CheckError::ContoursExist(_))));
+    assert_eq!(contours_format(&folder.path().join("c.ply"), &files, true).unwrap(), FileFormat::Ply);
 }

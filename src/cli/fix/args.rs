@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::limit::MAX_FACE_PAIRS;
+use crate::cli::{limit::MAX_FACE_PAIRS, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -53,6 +53,10 @@ pub struct FixArgs {
     /// inputs together, pieces in order
     #[arg(long, value_name = "FILE")]
     pub pin: Option<PathBuf>,
+    /// Vertices in one place that are one along seams, and move as one: those in `exact`ly one place, those within so
+    /// many METRES, or none (`off`)
+    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
+    pub weld: WeldArg,
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,

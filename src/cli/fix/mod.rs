@@ -10,6 +10,7 @@
 //! | `plan` | what is written where |
 //! | `report` | counts, distortion and history, as JSON and as text |
 //! | `terminal` | the progress line and Ctrl-C |
+//! | `view` | what a round relaxes: the state as its files hold it, or as another reader sees it |
 //! | `repair` | relax, write, read back, check |
 
 mod args;
@@ -22,6 +23,7 @@ mod target;
 mod terminal;
 #[cfg(test)]
 mod tests;
+mod view;
 
 use std::time::Instant;
 
@@ -33,9 +35,11 @@ pub use error::FixError;
 pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
+    certificate::Certificate,
     input::{self, Input},
     limit::analyse_within,
     outcome::{self, Outcome},
+    owners::Owners,
 };
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
@@ -63,30 +67,34 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let (input, pins) = world(args, &files)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = Counts::new(&analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?);
+    let analysis = analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?;
+    let before = Counts::new(&analysis, Certificate::of(&files, &input));
+    drop(analysis);
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
-    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
-    let Repaired { written, history, blocked, time_limit_reached } = if before.is_clean() {
+    let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
         interrupt.wait_for_files();
-        Repaired::unchanged(repair.write(&input.positions)?)
+        Repaired::unchanged(repair.write(&input, &input.positions)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
+    Blocked::name_owners(&mut blocked, &Owners::new(&files));
     let Written { staged, input: read_back, counts: after, .. } = written;
     let report = Report {
         schema: "untangled.fix/1",
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
-        clean: after.is_clean(),
+        clean: after.is_certified(),
+        num_welded_vertices: input.weld.num_merged(),
         time_limit_reached,
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),
         before,
         after,
-        distortion: Distortion::new(&input.mesh, &input.positions, &read_back.positions),
+        distortion: Distortion::new(&input, &read_back.positions),
         blocked,
         history,
     };
@@ -106,7 +114,7 @@ fn world(args: &FixArgs, files: &[MeshFile]) -> Result<(Input, Vec<u32>), FixErr
     let mut world = input::join(&args.files, files)?;
     let pins = args.pin.as_deref().map(|path| pins::read(path, world.positions.len())).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
-    Ok((Input::new(files, world)?, pins))
+    Ok((Input::new(files, world, args.weld)?, pins))
 }
 
 fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {

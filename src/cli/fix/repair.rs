@@ -1,4 +1,5 @@
-//! The repair: relax, write, read back, check; and once more where rounding in the file brought intersections back.
+//! The repair: relax, write, read back, check; and once more where rounding in the file brought intersections back, or
+//! where another reader of the file finds some.
 
 use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering, time::Instant};
 
@@ -6,12 +7,15 @@ use untangle::{
     analysis::{Analysis, analyse},
     frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::Mesh,
+    mesh::{Mesh, VertexId},
     relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
 };
 use untangled_mesh_io::{MeshFile, read_mesh};
 
-use crate::cli::input::{self, Input};
+use crate::cli::{
+    certificate::Certificate,
+    input::{self, Input},
+};
 
 use super::{
     error::FixError,
@@ -19,6 +23,7 @@ use super::{
     report::{Blocked, Counts},
     target::Staged,
     terminal::{Interrupt, Progress},
+    view::View,
 };
 
 /// The untangling: [`relax_until`](untangle::relax::relax_until), or a substitute in tests.
@@ -31,7 +36,7 @@ pub(super) type Solver<'a> = &'a mut dyn FnMut(
 ) -> Result<Relaxation, RelaxError>;
 
 /// Most rounds, each of which relaxes the state that was read back from the files of the last one.
-const MOST_ROUNDS: usize = 6;
+const MOST_ROUNDS: usize = 8;
 
 /// Temporary files beside their places, and their contents.
 #[derive(Debug)]
@@ -63,6 +68,7 @@ impl Repaired {
 /// The parts of a repair that do not change between rounds.
 #[derive(Debug)]
 pub(super) struct Repair<'a> {
+    pub(super) files: &'a [MeshFile],
     pub(super) jobs: &'a [Job<'a>],
     pub(super) pins: &'a [u32],
     pub(super) settings: RelaxSettings,
@@ -75,14 +81,14 @@ pub(super) struct Repair<'a> {
 struct Round {
     written: Written,
     blocked: Vec<BlockedPath>,
-    /// Whether the state was clean before it was written, and is no longer.
+    /// Whether the relaxation left nothing, but a reader of what was written finds something.
     lost_clean: bool,
     interrupted: bool,
 }
 
 impl Repair<'_> {
     /// Writes positions of the world to temporary files, reads these back and analyses them.
-    pub(super) fn write(&self, positions: &[[f64; 3]]) -> Result<Written, FixError> {
+    pub(super) fn write(&self, start: &Input, positions: &[[f64; 3]]) -> Result<Written, FixError> {
         let (mut staged, mut meshes, mut names): (Vec<Staged>, Vec<MeshFile>, Vec<PathBuf>) = Default::default();
         for Job { output, target, vertices } in self.jobs {
             let file = target.stage(|out| {
@@ -99,9 +105,11 @@ impl Repair<'_> {
         }
         let mut world = input::join(&names, &meshes).map_err(FixError::ReadBack)?;
         world.description.pins = self.pins.to_vec();
-        let input = Input::new(&meshes, world).map_err(FixError::ReadBack)?;
+        // What was one place is one place: the weld of the input is that of the output.
+        let input = Input::with_weld(&meshes, world, start.weld.clone()).map_err(FixError::ReadBack)?;
         let analysis = analyse(&input.mesh, &input.frame);
-        Ok(Written { staged, counts: Counts::new(&analysis), analysis, input })
+        let counts = Counts::new(&analysis, Certificate::of(&meshes, &input));
+        Ok(Written { staged, counts, analysis, input })
     }
 
     /// Relaxes a state that is not clean and writes the best result. Another round follows where a state was clean
@@ -118,26 +126,33 @@ impl Repair<'_> {
         let mut best: Option<Round> = None;
         let mut next: Option<Input> = None;
         let mut time_limit_reached = false;
+        let mut counts = before.clone();
         for _ in 0..MOST_ROUNDS {
             let start = next.as_ref().unwrap_or(input);
-            let round = self.round(start, &mut history, &mut *solver, interrupt, progress)?;
-            // The file rounds positions, or splits a polygon otherwise: the next round starts from what was read back.
+            let Some(view) = View::of(self.files, self.pins, start, &counts) else { break };
+            let round = self.round(start, &view, &mut history, &mut *solver, interrupt, progress)?;
+            // Rounding or another diagonal brought intersections back: the next round starts from what was read back.
             time_limit_reached |= round.interrupted;
             let go_on = round.lost_clean && !self.is_late() && history.len() < self.settings.max_iterations;
             next = go_on.then(|| round.written.input.clone());
-            let hits = |round: &Round| round.written.counts.num_edge_face_intersections;
-            if best.as_ref().is_none_or(|best| hits(&round) < hits(best)) {
+            counts = round.written.counts.clone();
+            if best.as_ref().is_none_or(|best| rank(&round.written.counts) < rank(&best.written.counts)) {
                 best = Some(round);
             }
             if !go_on {
                 break;
             }
         }
-        let Round { mut written, blocked, .. } = best.unwrap_or_else(|| unreachable!("there is at least one round"));
+        let Some(Round { mut written, blocked, .. }) = best else {
+            interrupt.wait_for_files();
+            return Ok(Repaired::unchanged(self.write(input, &input.positions)?));
+        };
         let mut blocked: Vec<Blocked> = blocked.into_iter().map(Blocked::from).collect();
-        if written.counts.num_edge_face_intersections > before.num_edge_face_intersections {
-            // Rounding made the state worse than the input.
-            written = self.write(&input.positions)?;
+        let is_worse = written.counts.num_edge_face_intersections > before.num_edge_face_intersections;
+        let is_vain = before.is_clean() && rank(&written.counts) >= rank(before);
+        if is_worse || is_vain {
+            // Rounding made the state worse than the input, or nothing helped another reader.
+            written = self.write(input, &input.positions)?;
             blocked.clear();
         }
         if written.counts.is_clean() {
@@ -151,31 +166,46 @@ impl Repair<'_> {
     /// Relaxes a state once and writes it; appends its iterations to `history`.
     fn round(
         &self,
-        Input { mesh, positions, .. }: &Input,
+        start: &Input,
+        view: &View,
         history: &mut Vec<Iteration>,
         solver: Solver<'_>,
         interrupt: &mut Interrupt,
         progress: &mut Progress,
     ) -> Result<Round, FixError> {
         let max_iterations = self.settings.max_iterations - history.len();
-        let settings = RelaxSettings { max_iterations, ..self.settings.clone() };
+        let single_precision = self.settings.single_precision || view.single_precision;
+        let settings = RelaxSettings { max_iterations, single_precision, ..self.settings.clone() };
+        let welded = start.weld.gather(&start.positions);
         let asked = interrupt.flag();
         let should_stop = || asked.load(Ordering::Relaxed) || self.is_late();
         let mut after_iteration = |iteration: &Iteration| {
             progress.iteration(iteration);
             if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let relaxation =
-            solver(mesh, positions, &settings, &mut after_iteration, &should_stop).map_err(FixError::Relax)?;
+        let seen: Vec<[f64; 3]> = view.frame.positions().iter().map(|point| (*point).into()).collect();
+        let mut relaxation =
+            solver(&view.mesh, &seen, &settings, &mut after_iteration, &should_stop).map_err(FixError::Relax)?;
         interrupt.check()?;
         progress.say("checking what is written");
         // A solver that counts an iteration too many must not make the subtraction above overflow.
-        history.extend(relaxation.history.iter().take(max_iterations));
-        let was_clean = is_clean(mesh, &relaxation.positions)?;
+        let own = relaxation.history.iter().take(max_iterations);
+        // The sum of no lengths is a negative zero.
+        history.extend(own.map(|step| Iteration { path_length_m: step.path_length_m + 0.0, ..*step }));
+        let was_clean = is_clean(&view.mesh, &relaxation.positions)?;
+        for ((position, start), seen) in relaxation.positions.iter_mut().zip(&welded).zip(&seen) {
+            // A reader may see rounded positions, or tiny ones as zero. What did not move keeps its bits.
+            if position == seen {
+                *position = *start;
+            }
+        }
+        for path in &mut relaxation.blocked {
+            path.vertex = start.weld.first(VertexId(path.vertex));
+        }
         interrupt.wait_for_files();
-        let written = self.write(&relaxation.positions)?;
+        let written = self.write(start, &start.weld.scatter(&start.positions, &relaxation.positions))?;
         interrupt.check()?;
-        let lost_clean = was_clean && !written.counts.is_clean();
+        let lost_clean = was_clean && !written.counts.is_certified();
         Ok(Round { written, blocked: relaxation.blocked, lost_clean, interrupted: relaxation.interrupted })
     }
 
@@ -196,15 +226,20 @@ impl Repair<'_> {
             let copy = paths.copies[pair.copies.clone()].first()?;
             let face = paths.segments[copy.segments.clone()].first()?.own;
             let vertex = pair.loop_vertices.first().copied().unwrap_or(written.input.mesh.face(face)[0]);
-            Some(Blocked {
+            Some(Blocked::from(BlockedPath {
                 pair_type: pair.pair_type,
-                vertex: vertex.0,
+                vertex: written.input.weld.first(vertex),
                 length_m: pair.length_m,
                 reason: reason.clone(),
-            })
+            }))
         });
         blocked.collect()
     }
+}
+
+/// How far a state is from clean: what intersects in it first, then what readers find.
+fn rank(counts: &Counts) -> (usize, usize) {
+    (counts.num_edge_face_intersections, counts.certificate.total())
 }
 
 /// Whether positions in memory have no intersection.

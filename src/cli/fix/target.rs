@@ -92,6 +92,10 @@ fn existing_place(path: &Path, overwrite: bool) -> Result<PathBuf, String> {
     if !metadata.is_file() {
         return Err("is not a regular file".into());
     }
+    if metadata.permissions().readonly() {
+        // A rename would replace it all the same, but whoever took away the right to write meant it.
+        return Err("is write-protected, and --overwrite does not replace such files".into());
+    }
     fs::canonicalize(path).map_err(|source| format!("can't be found: {source}"))
 }
 

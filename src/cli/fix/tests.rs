@@ -5,10 +5,14 @@
 use std::{fs, ops::ControlFlow};
 
 use untangle::{
+    frame::Frame,
     mesh::Mesh,
     relax::{BlockedPath, Effort, Iteration, Method, RelaxSettings, Relaxation},
+    weld::Weld,
 };
 use untangled_mesh_io::read_mesh;
+
+use crate::cli::{input::Input, weld::WeldArg};
 
 use super::{Blocked, Distortion, FixArgs, QualityArg, fix, terminal::Interrupt};
 
@@ -41,6 +45,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         time_limit: None,
         quality: QualityArg::Balanced,
         pin: None,
+        weld: WeldArg::Exact,
         overwrite: false,
     };
     (folder, args)
@@ -164,8 +169,11 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
     };
     let report = fix(&args, &mut blocked, &mut Interrupt::default()).unwrap();
     assert!(!report.clean && report.after == report.before);
-    assert_eq!(report.blocked, [Blocked::from(reason.clone())]);
-    assert!(report.to_string().contains("left: BI/BI of 0.50000 m at vertex 3: pinned"), "{report}");
+    let mut expected = Blocked::from(reason.clone());
+    (expected.file, expected.vertex_in_file) = (args.files[1].display().to_string(), 0);
+    assert_eq!(report.blocked, [expected]);
+    let line = format!("left: BI/BI of 0.50000 m at vertex 0 of {}: pinned", args.files[1].display());
+    assert!(report.to_string().contains(&line), "{report}");
     assert!(fs::read_to_string(&args.out).unwrap().contains("v 1 1 0.25"));
 
     let third = [("floor.obj", FLOOR), ("spike.obj", SPIKE), ("far.obj", "v 1 1 9\nv 2 1 9\nv 1 2 9\nf 1 2 3\n")];
@@ -242,13 +250,19 @@ fn distortion_of_edges_without_length_has_no_ratio() {
     let mesh = Mesh::new(untangle::mesh::MeshDescription { num_vertices: 3, faces, ..Default::default() }).unwrap();
     let point = [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
     let opened = [[0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
-    let distortion = Distortion::new(&mesh, &point, &opened);
+    let input = |positions: &[[f64; 3]]| Input {
+        weld: Weld::none(3),
+        mesh: mesh.clone(),
+        positions: positions.to_vec(),
+        frame: Frame::new(&mesh, positions).unwrap(),
+    };
+    let distortion = Distortion::new(&input(&point), &opened);
     assert_eq!(
         (distortion.max_edge_stretch, distortion.mean_edge_stretch),
         (2.0f64.sqrt(), (1.0 + 2.0f64.sqrt()) / 2.0)
     );
-    let closed = Distortion::new(&mesh, &opened, &point);
+    let closed = Distortion::new(&input(&opened), &point);
     assert_eq!(closed.max_edge_stretch, 0.0);
     assert!(closed.mean_edge_stretch.is_finite());
-    assert_eq!(Distortion::new(&mesh, &[[0.0; 3]; 3], &opened).max_edge_stretch, 1.0);
+    assert_eq!(Distortion::new(&input(&[[0.0; 3]; 3]), &opened).max_edge_stretch, 1.0);
 }

@@ -3,3 +3,4 @@
 mod coherence;
 mod degenerate;
 mod properties;
+mod seams;

@@ -6,9 +6,11 @@ pub mod furrows;
 pub mod mirrored;
 mod relabel;
 mod sheet;
+mod split;
 pub mod waves;
 
 pub use fan::fan;
 pub use relabel::{Relabelled, relabelled, reordered};
 pub use sheet::{Sheet, folded, squares};
+pub use split::{Split, split_at_edges};
 pub use waves::{crumpled, crumpled_further};

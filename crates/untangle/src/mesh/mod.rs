@@ -23,3 +23,4 @@ pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 pub(crate) use csr::Csr;
 pub(crate) use identity::MeshIdentity;
 pub(crate) use ids::MeshId;
+pub(crate) use validate::is_usable;

@@ -2,6 +2,16 @@
 
 use super::{Mesh, MeshDescription, MeshError};
 
+impl MeshDescription {
+    /// Checks what [`Mesh::new`] checks, and makes no mesh.
+    ///
+    /// # Errors
+    /// [`MeshError`], naming the element at fault.
+    pub fn validate(&self) -> Result<(), MeshError> {
+        validate(self)
+    }
+}
+
 /// Checks a description in the order faces, texture coordinates, rest positions, masses, layers, pins.
 ///
 /// # Errors
@@ -88,7 +98,7 @@ fn check_finite<const N: usize>(section: &'static str, rows: &[[f64; N]]) -> Res
 }
 
 /// Whether the three corners of a face differ.
-pub(super) fn is_usable([a, b, c]: [u32; 3]) -> bool {
+pub(crate) fn is_usable([a, b, c]: [u32; 3]) -> bool {
     a != b && b != c && c != a
 }
 

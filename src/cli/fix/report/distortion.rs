@@ -3,7 +3,9 @@
 use nalgebra::Point3;
 use serde::Serialize;
 
-use untangle::{mesh::Mesh, relax::STRETCH_LIMIT};
+use untangle::relax::STRETCH_LIMIT;
+
+use crate::cli::input::Input;
 
 /// Displacements and stretch between two states of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -22,9 +24,9 @@ pub struct Distortion {
 }
 
 impl Distortion {
-    /// Compares two states, both `num_vertices x 3` in metres. Edges without length before have no stretch and are left
+    /// Compares the positions of an input with those `after`, `num_vertices x 3` in metres. Edges without length before have no stretch and are left
     /// out; without any edge the stretch is 1.
-    pub(crate) fn new(mesh: &Mesh, before: &[[f64; 3]], after: &[[f64; 3]]) -> Self {
+    pub(in crate::cli) fn new(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Self {
         let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
         let (mut largest, mut sum) = (0.0f64, 0.0);
         for (&before, &after) in before.iter().zip(after) {
@@ -34,7 +36,7 @@ impl Distortion {
         }
         let (mut worst, mut ratios, mut count, mut num_overstretched_edges) = (1.0f64, 0.0, 0, 0);
         for edge in mesh.edge_ids() {
-            let [a, b] = mesh.edge(edge).map(|vertex| vertex.0 as usize);
+            let [a, b] = mesh.edge(edge).map(|vertex| weld.first(vertex) as usize);
             let length = distance(before[a], before[b]);
             if length <= 0.0 {
                 continue;

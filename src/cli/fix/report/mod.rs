@@ -15,7 +15,9 @@ use untangle::{
     relax::{BlockedPath, Iteration, STRETCH_LIMIT},
 };
 
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
+use crate::cli::certificate::Certificate;
+use crate::cli::owners::{OwnedVertex, Owners};
+use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
 
 pub use distortion::Distortion;
 
@@ -28,8 +30,11 @@ pub struct Report {
     pub files: Vec<String>,
     /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether an exact check of the outputs, read back, found no intersection.
+    /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
+    /// judge for all readers.
     pub clean: bool,
+    /// Vertices that are one with an earlier one in their place, and moved with it.
+    pub num_welded_vertices: usize,
     /// Whether the untangling was ended by the time limit.
     pub time_limit_reached: bool,
     /// Iterations of the relaxation; 0 if the input was clean.
@@ -57,20 +62,28 @@ pub struct Counts {
     pub num_face_pairs: usize,
     /// Number of path pairs by type.
     pub path_pairs: BTreeMap<PairType, usize>,
+    /// What readers of the files find, by the judge.
+    pub certificate: Certificate,
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis) -> Self {
+    pub(super) fn new(analysis: &Analysis, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
+            certificate,
         }
     }
 
-    /// Whether there is no intersection.
+    /// Whether there is no intersection in the files as they are.
     pub(super) fn is_clean(&self) -> bool {
         self.num_face_pairs == 0
+    }
+
+    /// Whether no reader of the files finds an intersection.
+    pub(super) fn is_certified(&self) -> bool {
+        self.is_clean() && self.certificate.is_clean()
     }
 }
 
@@ -79,8 +92,14 @@ impl Counts {
 pub struct Blocked {
     /// Its type.
     pub pair_type: PairType,
-    /// A vertex next to it, counted over all files.
+    /// A vertex next to it, counted from 0 over all files.
     pub vertex: u32,
+    /// The file of that vertex.
+    pub file: String,
+    /// The vertex counted from 0 in its file.
+    pub vertex_in_file: usize,
+    /// The object or group that it stands in, if that has a name.
+    pub part: Option<String>,
     /// Its length in metres.
     pub length_m: f64,
     /// Why, in words.
@@ -90,9 +109,24 @@ pub struct Blocked {
 impl From<BlockedPath> for Blocked {
     fn from(path: BlockedPath) -> Self {
         let BlockedPath { pair_type, vertex, length_m, reason } = path;
-        Self { pair_type, vertex, length_m, reason }
+        Self { pair_type, vertex, file: String::new(), vertex_in_file: vertex as usize, part: None, length_m, reason }
     }
 }
+
+impl Blocked {
+    /// Says to whom the vertices of paths belong.
+    pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
+        let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
+        for (path, owner) in blocked.iter_mut().zip(of) {
+            if let Some(OwnedVertex { file, vertex_in_file, part }) = owner {
+                (path.file, path.vertex_in_file, path.part) = (file, vertex_in_file, part);
+            }
+        }
+    }
+}
+
+/// Most paths that were left of which people are told; all are in the JSON document.
+const MOST_LEFT: usize = 10;
 
 impl Report {
     /// The document on one line.
@@ -106,7 +140,10 @@ impl Display for Report {
     /// The lines for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} -> {}", self.files.join(", "), self.outputs.join(", "))?;
-        if self.before.is_clean() && self.clean {
+        if self.num_welded_vertices > 0 {
+            writeln!(f, "  {}", welded(self.num_welded_vertices))?;
+        }
+        if self.before.is_certified() && self.clean {
             return writeln!(f, "  clean before: written unchanged");
         }
         writeln!(
@@ -118,6 +155,17 @@ impl Display for Report {
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
             self.after.num_edge_face_intersections,
         )?;
+        if self.before.is_clean() && !self.before.certificate.is_clean() {
+            write!(
+                f,
+                "  the input is clean in double precision as it is, but not for every reader:\n{}",
+                self.before.certificate
+            )?;
+        }
+        let by_readers = self.after.certificate.to_string();
+        if !by_readers.is_empty() {
+            write!(f, "  what readers of the output find:\n{}", by_readers)?;
+        }
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
         for iteration in &self.history {
@@ -145,8 +193,19 @@ impl Display for Report {
                 Counted(num_overstretched_edges, "edge"),
             )?;
         }
-        for Blocked { pair_type, vertex, length_m, reason } in &self.blocked {
-            writeln!(f, "  left: {} of {length_m:.5} m at vertex {vertex}: {reason}", name_of(pair_type))?;
+        let mut longest: Vec<&Blocked> = self.blocked.iter().collect();
+        longest.sort_by(|a, b| b.length_m.total_cmp(&a.length_m));
+        for Blocked { pair_type, file, vertex_in_file, part, length_m, reason, .. } in longest.iter().take(MOST_LEFT) {
+            let part = part.as_ref().map_or_else(String::new, |part| format!(", {part}"));
+            let name = name_of(pair_type);
+            writeln!(f, "  left: {name} of {length_m:.5} m at vertex {vertex_in_file} of {file}{part}: {reason}")?;
+        }
+        if self.blocked.len() > MOST_LEFT {
+            let more = Counted(self.blocked.len() - MOST_LEFT, "shorter path");
+            writeln!(f, "  left: {more}; --json and --report list all")?;
+        }
+        if !self.blocked.is_empty() {
+            writeln!(f, "  vertices are counted from 0 in each file")?;
         }
         Ok(())
     }

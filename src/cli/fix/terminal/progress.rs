@@ -1,6 +1,9 @@
 //! The progress line of a relaxation.
 
-use std::time::Duration;
+use std::{
+    io::{self, Write},
+    time::{Duration, Instant},
+};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -8,12 +11,16 @@ use untangle::relax::Iteration;
 
 use crate::cli::wording::name_of;
 
-/// One line on standard error, if that is a terminal; it is cleared at the end.
+/// One line on standard error, if that is a terminal, which is cleared at the end; else a line every few seconds.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
     num_iterations: usize,
+    last_line: Instant,
 }
+
+/// Time between two lines where standard error is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
 impl Progress {
     pub(crate) fn new() -> Self {
@@ -23,7 +30,7 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(100));
-        Self { bar, num_iterations: 0 }
+        Self { bar, num_iterations: 0, last_line: Instant::now() }
     }
 
     /// Shows the current stage.
@@ -35,11 +42,19 @@ impl Progress {
     pub(crate) fn iteration(&mut self, iteration: &Iteration) {
         self.num_iterations += 1;
         let Iteration { num_edge_face_intersections, path_length_m, method } = iteration;
-        self.bar.set_message(format!(
+        // The sum of no lengths is a negative zero.
+        let path_length_m = path_length_m + 0.0;
+        let line = format!(
             "iteration {}: {num_edge_face_intersections} edge-face intersections, paths of {path_length_m:.4} m ({})",
             self.num_iterations,
             name_of(method),
-        ));
+        );
+        if self.bar.is_hidden() && self.last_line.elapsed() >= BETWEEN_LINES {
+            self.last_line = Instant::now();
+            // Nobody may be there to read it.
+            let _ = writeln!(io::stderr(), "untangled: {line}");
+        }
+        self.bar.set_message(line);
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn chapter() -> Chapter {
     Chapter {
         title: "What is refused",
         text: "Every field that holds a number was given each value in each of its places; the words are those of the \
-               last one. Files: `tests/command_line/check_formats.rs`. Registrations and frames over the wire, byte by \
+               last one. Files: `tests/command_line/check/formats.rs`. Registrations and frames over the wire, byte by \
                byte: `tests/daemon/fuzz.rs`.",
         cases,
     }

@@ -1,9 +1,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{
-    CheckError, Point, count_edge_face, edge_face_hits, face_pairs, primitive::segment_meets_triangle, unique_edges,
-};
+use crate::{CheckError, Point, count_edge_face, edge_face_hits, face_pairs, primitive::segment_meets_triangle};
 
 const TRIANGLE: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
@@ -65,6 +63,16 @@ fn count_edge_face_of_bad_input_names_vertex_or_triangle() {
     assert_eq!(count_edge_face(&nan, &[[0, 1, 2]]), Err(CheckError::NotFinite(1)));
     let expected = CheckError::Index { triangle: 0, vertex: 7, num_vertices: 3 };
     assert_eq!(count_edge_face(&TRIANGLE, &[[0, 1, 7]]), Err(expected));
+}
+
+fn unique_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a.min(b), a.max(b)], [b.min(c), b.max(c)], [c.min(a), c.max(a)]])
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! `untangled check` as a user or a script runs it.
 
+mod formats;
+
 use std::{
     fs,
     path::Path,
@@ -120,11 +122,32 @@ fn check_contours_writes_lines_and_never_an_input() {
     assert!(obj.starts_with("g BB_II_0\nv ") && obj.lines().last().unwrap().starts_with("l 1 2"), "{obj}");
     let ply = fs::read_to_string(folder.path().join("lines.ply")).unwrap();
     assert!(ply.contains("element edge "), "{ply}");
+    let text = complaint(&check(&[files[0], files[1], "--contours", "lines.obj"], folder.path()));
+    assert!(text.contains("lines.obj: exists; --overwrite replaces it"), "{text}");
+    let again = check(&[files[0], files[1], "--contours", "lines.obj", "--overwrite"], folder.path());
+    assert_eq!((code(&again), fs::read_to_string(folder.path().join("lines.obj")).unwrap()), (1, obj));
     let before = fs::read(folder.path().join("spike.obj")).unwrap();
     let text = complaint(&check(&[files[0], files[1], "--contours", "./spike.obj"], folder.path()));
     assert!(text.contains("is an input"), "{text}");
     assert_eq!(fs::read(folder.path().join("spike.obj")).unwrap(), before);
     complaint(&check(&[files[0], "--contours", "lines.stl"], folder.path()));
+}
+
+#[test]
+fn check_says_who_meets_whom_and_how_long_it_took_only_when_asked() {
+    let folder = folder();
+    fs::write(folder.path().join("named.obj"), "v 0 0 0\nv 1 0 0.01\nv 1 1 0\nv 0 1 0.02\no floor\nf 1 2 3 4\n")
+        .unwrap();
+    let report = json(&check(&["named.obj", "spike.obj", "--json"], folder.path()));
+    let count = &report["num_face_pairs"];
+    let between = ["named.obj, object \"floor\"", "spike.obj"];
+    assert_eq!(report["meetings"], serde_json::json!([{"between": between, "num_face_pairs": count}]));
+    for (more, is_timed) in [(&[][..], false), (&["-v"], true), (&["--verbose"], true)] {
+        let output = check(&[&["named.obj", "spike.obj"], more].concat(), folder.path());
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("intersect "), is_timed, "{text}");
+        assert!(text.contains("named.obj, object \"floor\" and spike.obj"), "{text}");
+    }
 }
 
 #[test]

@@ -1,0 +1,181 @@
+//! The certificate: what readers of a file find in it, decided by a judge that shares no code with the library.
+//!
+//! A reader need not see what the file says to the bit: many keep positions in single precision, and each splits
+//! polygons into triangles by a rule of its own. A cloth is certified if none of them finds a crossing.
+
+use std::{
+    fmt::{self, Display, Formatter},
+    ops::Range,
+};
+
+use serde::Serialize;
+
+use untangled_checker::{PolygonRef, crossings, fan_crossings};
+use untangled_mesh_io::MeshFile;
+
+use super::{input::Input, wording::Counted};
+
+/// Crossings by reader. Touching is no crossing.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Certificate {
+    /// Pairs of triangles that cross, in double precision, polygons split as `check` splits them.
+    pub num_crossings: usize,
+    /// The same with positions rounded to single precision; nothing where they are beyond it.
+    pub num_crossings_single: Option<usize>,
+    /// The same with each polygon split into the fan of its first corner, as most readers do.
+    pub num_crossings_first_corner: usize,
+    /// Pairs of polygons that cross in some way to split them, in double precision.
+    pub num_polygon_pairs: usize,
+    /// The same in single precision.
+    pub num_polygon_pairs_single: Option<usize>,
+}
+
+impl Certificate {
+    /// Judges the world of `files`.
+    pub(super) fn of(files: &[MeshFile], input: &Input) -> Self {
+        let surface = Surface::new(files, input);
+        let single = surface.in_single_precision();
+        let count = |surface: &Surface| num_crossings(&surface.positions, &surface.triangles);
+        let num_crossings_single = single.as_ref().map(count);
+        let num_crossings = count(&surface);
+        if !surface.has_polygons() {
+            return Self {
+                num_crossings,
+                num_crossings_single,
+                num_polygon_pairs_single: single.map(|_| 0),
+                ..Self::default()
+            };
+        }
+        Self {
+            num_crossings,
+            num_crossings_single,
+            num_crossings_first_corner: surface.first_corner_crossings(),
+            num_polygon_pairs: surface.polygon_pairs().len(),
+            num_polygon_pairs_single: single.map(|single| single.polygon_pairs().len()),
+        }
+    }
+
+    /// Whether no reader finds a crossing.
+    pub(super) fn is_clean(&self) -> bool {
+        self.total() == 0
+    }
+
+    /// Whether rounding to single precision alone brings crossings.
+    pub(super) fn is_tangled_by_rounding(&self) -> bool {
+        self.num_crossings == 0 && self.num_crossings_single.is_some_and(|count| count > 0)
+    }
+
+    /// All crossings together, to compare two states by.
+    pub(super) fn total(&self) -> usize {
+        self.num_crossings
+            + self.num_crossings_single.unwrap_or(0)
+            + self.num_crossings_first_corner
+            + self.num_polygon_pairs
+            + self.num_polygon_pairs_single.unwrap_or(0)
+    }
+}
+
+impl Display for Certificate {
+    /// A line for each kind of reader that finds more than the file says.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let single = self.num_crossings_single.unwrap_or(0);
+        if single > self.num_crossings {
+            writeln!(f, "  rounded to single precision: {}", Counted(single, "crossing face pair"))?;
+        }
+        if self.num_crossings_first_corner > self.num_crossings {
+            let count = Counted(self.num_crossings_first_corner, "crossing face pair");
+            writeln!(f, "  polygons split from their first corner, as most readers do: {count}")?;
+        }
+        let pairs = self.num_polygon_pairs.max(self.num_polygon_pairs_single.unwrap_or(0));
+        if pairs > self.num_crossings {
+            writeln!(f, "  polygons split along any diagonals: {}", Counted(pairs, "crossing polygon pair"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Polygons with positions, by vertices of all files.
+pub(super) struct Surface {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) corners: Vec<u32>,
+    /// The corners and the triangles of each polygon.
+    pub(super) polygons: Vec<[Range<usize>; 2]>,
+}
+
+impl Surface {
+    pub(super) fn new(files: &[MeshFile], Input { weld, positions, .. }: &Input) -> Self {
+        let (mut triangles, mut corners, mut polygons) = (Vec::new(), Vec::new(), Vec::new());
+        let mut first = 0;
+        // Vertices that are welded within a distance are judged as one, in one place. Those in exactly one place need
+        // no weld here: to touch is not to cross.
+        let places = weld.gather(positions);
+        let (name, positions): (Box<dyn Fn(u32) -> u32>, _) = if weld.is_exact() {
+            (Box::new(|vertex| vertex), positions.clone())
+        } else {
+            let place = |&welded: &u32| places[welded as usize];
+            (Box::new(|vertex| weld.first(weld.of(vertex))), weld.welded_vertices().iter().map(place).collect())
+        };
+        for file in files {
+            let of_world = |vertex: &u32| name(vertex + first);
+            let own = file.polygons();
+            let mut start = triangles.len();
+            triangles.extend(file.faces().iter().map(|face| face.map(|vertex| of_world(&vertex))));
+            for polygon in 0..own.len() {
+                let from = corners.len();
+                corners.extend(own.corners(polygon).iter().map(of_world));
+                let end = start + own.corners(polygon).len().saturating_sub(2);
+                polygons.push([from..corners.len(), start..end]);
+                start = end;
+            }
+            first += u32::try_from(file.positions().len()).unwrap_or(u32::MAX);
+        }
+        Self { positions, triangles, corners, polygons }
+    }
+
+    /// The same as a reader of single precision sees it, unless a coordinate is beyond that.
+    pub(super) fn in_single_precision(&self) -> Option<Self> {
+        let positions: Vec<[f64; 3]> = self.positions.iter().map(|position| position.map(single)).collect();
+        let is_finite = positions.iter().flatten().all(|value| value.is_finite());
+        is_finite.then(|| Self {
+            positions,
+            triangles: self.triangles.clone(),
+            corners: self.corners.clone(),
+            polygons: self.polygons.clone(),
+        })
+    }
+
+    fn has_polygons(&self) -> bool {
+        self.polygons.iter().any(|[corners, _]| corners.len() > 3)
+    }
+
+    fn first_corner_crossings(&self) -> usize {
+        let fans = self.polygons.iter().flat_map(|[corners, _]| {
+            let corners = &self.corners[corners.clone()];
+            corners.windows(2).skip(1).map(|side| [corners[0], side[0], side[1]])
+        });
+        num_crossings(&self.positions, &fans.collect::<Vec<_>>())
+    }
+
+    /// Pairs of polygons that cross in some way to split them.
+    pub(super) fn polygon_pairs(&self) -> Vec<[u32; 2]> {
+        let polygons = self.polygons.iter().map(|[corners, triangles]| PolygonRef {
+            corners: &self.corners[corners.clone()],
+            triangles: &self.triangles[triangles.clone()],
+        });
+        let found = fan_crossings(&self.positions, polygons);
+        found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}")).pairs
+    }
+}
+
+fn num_crossings(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> usize {
+    let found = crossings(positions, triangles);
+    found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}")).pairs.len()
+}
+
+/// A coordinate rounded to single precision.
+pub(super) fn single(value: f64) -> f64 {
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+    let rounded = value as f32;
+    f64::from(rounded)
+}
