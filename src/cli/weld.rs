@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn weld_arg_takes_words_and_distances_only() {
-        let parsed = ["exact", "off", "0", "1e-4"].map(|text| text.parse().unwrap());
+        let parsed = ["exact", "off", "0", "1e-4"].map(|text| text.parse::<WeldArg>().unwrap());
         assert_eq!(parsed, [WeldArg::Exact, WeldArg::Off, WeldArg::Metres(0.0), WeldArg::Metres(1e-4)]);
         for text in ["", "on", "-1", "nan", "inf", "1mm"] {
             assert!(text.parse::<WeldArg>().is_err(), "{text}");

@@ -69,9 +69,11 @@ fn lift(positions: &[[f64; 3]], z: f64) -> Relaxation {
 fn fix_of_more_intersections_than_the_limit_writes_nothing_and_names_the_flag() {
     let (folder, args) = set_up(&[("a.obj", FLOOR), ("b.obj", SPIKE)], &["a.obj", "b.obj"], "out.obj");
     let args = FixArgs { max_face_pairs: 0, ..args };
-    let mut solver = |_: &Mesh, _: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-        panic!("nothing is untangled")
-    };
+    let mut solver = |_: &Mesh,
+                      _: &[[f64; 3]],
+                      _: &RelaxSettings,
+                      _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| panic!("nothing is untangled");
     let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
     assert!(
         error.contains("more than 0 pairs of triangles intersect") && error.contains("--max-face-pairs"),
