@@ -4,8 +4,8 @@
 //! cargo run --release -p untangled-lab --bin digests -- FILE... > before.txt
 //! ```
 //!
-//! With `--portable` before them the files are processed without the instructions that not every processor has: the same
-//! digests come out.
+//! With `--portable` before them the files are processed without the instructions that not every processor has: the
+//! same digests come out.
 //!
 //! An argument names one mesh file, or several joined by `+`, which are pieces in one world. Each world is processed
 //! with each response, each quality and each choice of the inside, with one thread and with two, over [`FRAMES`]

@@ -1,8 +1,8 @@
 //! Hubs: vertices of so many faces that the pairs around them are not listed.
 //!
-//! The boxes of all faces round a hub overlap in it. A traversal that looked at each pair would take the square of their
-//! number, only to find that the two share a vertex. So they stand side by side in the order of the tree, and a node
-//! knows the hub that all its faces share.
+//! The boxes of all faces round a hub overlap in it. A traversal that looked at each pair would take the square of
+//! their number, only to find that the two share a vertex. So they stand side by side in the order of the tree, and a
+//! node knows the hub that all its faces share.
 
 use std::ops::Range;
 

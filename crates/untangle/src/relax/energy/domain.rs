@@ -63,8 +63,8 @@ impl Domain {
         self.numbers.get(vertex).map(|number| number as usize)
     }
 
-    /// Factorises a compressed matrix over the vertices of this domain. Its pattern must be that of all others over this
-    /// domain. Nothing where the numbers don't allow it.
+    /// Factorises a compressed matrix over the vertices of this domain. Its pattern must be that of all others over
+    /// this domain. Nothing where the numbers don't allow it.
     pub(crate) fn factorise(&self, matrix: &SparseSymmetric) -> Option<Cholesky> {
         let order = self.order.get_or_init(|| Cholesky::order_of(matrix));
         let mut factor = Cholesky::default();
