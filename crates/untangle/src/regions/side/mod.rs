@@ -23,8 +23,9 @@ pub(crate) struct SideChooser {
 }
 
 impl SideChooser {
-    /// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the first
-    /// of them that is switched on and has an answer. The vertices of the inside are complete in `flood` afterwards.
+    /// The inside after a fill that separated: decided by layers, winding numbers, pins, work, and last by size, the
+    /// first of them that is switched on and has an answer. The vertices of the inside are complete in `flood`
+    /// afterwards.
     pub(crate) fn choose(
         &mut self,
         flood: &mut Flood,
