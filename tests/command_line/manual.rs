@@ -29,7 +29,13 @@ fn keys(prefix: &str, table: &toml::Table) -> Vec<(String, toml::Value)> {
 #[test]
 fn settings_page_names_every_key_with_its_default() {
     let page = fs::read_to_string(root().join("docs/manual/settings.md")).unwrap();
-    let optional = Settings { thickness_m: Some(1.0), deadline_us: Some(1), ..Settings::default() };
+    let optional = Settings {
+        thickness_m: Some(1.0),
+        deadline_us: Some(1),
+        max_face_pairs: Some(1),
+        max_tested_pairs: Some(1),
+        ..Settings::default()
+    };
     let all = toml::Table::try_from(Config { settings: optional, ..Config::default() }).unwrap();
     let defaults = toml::Table::try_from(Config::default()).unwrap();
     let defaults = keys("", &defaults);

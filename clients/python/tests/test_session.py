@@ -171,6 +171,15 @@ def test_refused_frame_takes_no_time_and_the_next_one_is_served(crossed, domain)
         assert correction.summary["simulated_s"] == 0.01 and session.time == 0.02
 
 
+def test_frame_ended_at_a_limit_is_missed_and_takes_its_time(sheets, domain):
+    with open_session(sheets, domain, settings={"max_face_pairs": 1}, dt=0.01) as session:
+        with pytest.raises(untangled.Missed, match="not analysed.*1 pairs"):
+            session.exchange(sheets.vertices, deadline=DEADLINE)
+        assert session.time == 0.01
+        session.update_settings({})
+        assert session.exchange(sheets.vertices, deadline=DEADLINE).num_intersections > 0
+
+
 def test_arguments_that_cannot_be_used_publish_nothing(crossed, domain):
     with open_session(crossed, domain) as session:
         for deadline in (-1.0, np.nan):

@@ -154,9 +154,9 @@ fn merge(settings: &Settings, mut chosen: serde_json::Map<String, serde_json::Va
 }
 
 fn with_setting(settings: &Settings, name: &str, value: serde_json::Value) -> Result<Settings, String> {
-    // Every setting has a value here, so that all names are there.
-    let all = Settings { thickness_m: Some(0.0), deadline_us: Some(1), ..Settings::default() };
-    let known = toml::Table::try_from(&all).map_err(|error| error.to_string())?;
+    // As JSON, in which a setting without a value is null, so that all names are there.
+    let all = serde_json::to_value(Settings::default()).map_err(|error| error.to_string())?;
+    let known = all.as_object().ok_or("the settings are no object")?;
     let names = || ["quality"].into_iter().chain(known.keys().map(String::as_str));
     if !known.contains_key(name) {
         return Err(match overlay::nearest(name, names()) {
@@ -164,17 +164,16 @@ fn with_setting(settings: &Settings, name: &str, value: serde_json::Value) -> Re
             None => format!("there is no setting `{name}`; there are {}", names().collect::<Vec<_>>().join(", ")),
         });
     }
-    let value = match value {
+    if value.is_null() {
         // A host that has no value may say so.
-        serde_json::Value::Null if name == "thickness_m" => {
-            return Ok(Settings { thickness_m: None, ..settings.clone() });
+        if !known[name].is_null() {
+            return Err(format!("{name}: null is no value"));
         }
-        serde_json::Value::Null if name == "deadline_us" => {
-            return Ok(Settings { deadline_us: None, ..settings.clone() });
-        }
-        serde_json::Value::Null => return Err(format!("{name}: null is no value")),
-        value => toml::Value::try_from(value).map_err(|error| format!("{name}: {error}"))?,
-    };
+        let mut table = toml::Table::try_from(settings).map_err(|error| error.to_string())?;
+        table.remove(name);
+        return table.try_into().map_err(|error: toml::de::Error| format!("{name}: {error}"));
+    }
+    let value = toml::Value::try_from(value).map_err(|error| format!("{name}: {error}"))?;
     overlay::replace(settings, &[name], value).map_err(|reason| format!("{name}: {reason}"))
 }
 
@@ -182,6 +181,30 @@ fn with_setting(settings: &Settings, name: &str, value: serde_json::Value) -> Re
 mod tests {
     use super::*;
     use untangle::settings::Response;
+
+    #[test]
+    fn merge_takes_every_setting_by_its_name_and_null_where_it_needs_no_value() {
+        let some = Settings {
+            thickness_m: Some(0.1),
+            deadline_us: Some(7),
+            max_face_pairs: Some(7),
+            max_tested_pairs: Some(7),
+            ..Settings::default()
+        };
+        let values = serde_json::to_value(&some).unwrap();
+        let values = values.as_object().unwrap();
+        assert!(values.values().all(|value| !value.is_null()), "a setting without a value: {values:?}");
+        assert_eq!(merge(&Settings::default(), values.clone()), Ok(some.clone()));
+        let defaults = serde_json::to_value(Settings::default()).unwrap();
+        for (name, default) in defaults.as_object().unwrap() {
+            let chosen = serde_json::Map::from_iter([(name.clone(), serde_json::Value::Null)]);
+            let merged = merge(&some, chosen);
+            assert_eq!(merged.is_ok(), default.is_null(), "{name}: {merged:?}");
+            if let Ok(merged) = merged {
+                assert!(serde_json::to_value(merged).unwrap()[name].is_null(), "{name}");
+            }
+        }
+    }
 
     #[test]
     fn merge_overrides_defaults_by_quality_and_quality_by_single_settings() {
