@@ -8,10 +8,10 @@ use std::{
 
 use thiserror::Error;
 
-use untangle::weld::{Weld, WeldError};
 use untangle::{
     frame::{Frame, FrameError},
     mesh::{Mesh, MeshError, VertexId},
+    weld::{Weld, WeldError},
 };
 use untangled_mesh_io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh};
 
@@ -107,6 +107,14 @@ impl Input {
         let frame = Frame::new(&mesh, &weld.gather(&positions))
             .map_err(|source| locate(source, &weld, files, &file_vertices))?;
         Ok(Self { weld, mesh, positions, frame })
+    }
+
+    /// Coordinates of vertices of the mesh that are not zero, but so small that they count as zero.
+    pub(super) fn num_zeroed_coordinates(&self) -> usize {
+        let given = self.weld.gather(&self.positions);
+        let pairs = given.iter().zip(self.frame.positions());
+        let is_zeroed = |(given, seen): (&f64, &f64)| given.abs() > 0.0 && seen.abs() <= 0.0;
+        pairs.map(|(given, seen)| given.iter().zip(seen.coords.iter()).filter(|&pair| is_zeroed(pair)).count()).sum()
     }
 
     /// Whether a vertex of the files is pinned.

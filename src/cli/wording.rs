@@ -37,6 +37,12 @@ pub(super) fn welded(count: usize) -> String {
     format!("{vertices} {are} one with another in the same place (--weld off keeps them apart)")
 }
 
+/// How many coordinates count as zero.
+pub(super) fn zeroed(count: usize) -> String {
+    let counts = if count == 1 { "counts" } else { "count" };
+    format!("{} below 2^-250 m {counts} as zero", Counted(count, "coordinate"))
+}
+
 /// `1 face`, `2 faces`; `1 vertex`, `2 vertices`.
 pub(super) struct Counted(pub(super) usize, pub(super) &'static str);
 

@@ -1,8 +1,8 @@
 //! Proper crossings: what no small motion of the vertices undoes, and no choice between touching sheets explains.
 //!
 //! - The interiors of two triangles that are not in one plane have a common point.
-//! - An edge runs through the interior of a triangle, in its plane, and two triangles at the edge lie on different sides
-//!   of that plane.
+//! - An edge runs through the interior of a triangle, in its plane, and two triangles at the edge lie on different
+//!   sides of that plane.
 //! - Two edges lie over each other, and the triangles round them alternate.
 //!
 //! Sheets that touch, in points, along curves or over areas, do not cross.
@@ -32,8 +32,9 @@ fn lone_corner(sides: [Sign; 3]) -> Option<usize> {
 
 /// Whether the interiors of two triangles that are not in one plane have a common point.
 ///
-/// `sides` are the signs of the corners of each to the plane of the other. Each triangle cuts that plane in an open interval of the line that both planes share; two more signs say
-/// whether the intervals overlap (Guigue and Devillers 2003, with strict signs).
+/// The sides are the signs of the corners of each to the plane of the other. Each triangle cuts that plane in an open
+/// interval of the line that both planes share; two more signs say whether the intervals overlap (Guigue and Devillers
+/// 2003, with strict signs).
 pub(crate) fn interiors_cross(first: Triangle, second: Triangle, [first_sides, second_sides]: [[Sign; 3]; 2]) -> bool {
     let (Some(i), Some(j)) = (lone_corner(first_sides), lone_corner(second_sides)) else { return false };
     let turned = |triangle: Triangle, start: usize| [0, 1, 2].map(|k| triangle[(start + k) % 3]);

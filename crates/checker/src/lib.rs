@@ -4,8 +4,8 @@
 //! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*.
 //! There is no perturbation and no tolerance. Two questions are answered:
 //!
-//! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets. Touching
-//!   counts.
+//! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets.
+//!   Touching counts.
 //! - [`crossings`]: which triangles cross *properly*, so that no small motion parts them. Touching does not count.
 //!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles.
 //!

@@ -1,5 +1,6 @@
 //! `untangled check`: analyses mesh files and says what intersects.
 
+mod meetings;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -29,7 +30,8 @@ use super::{
     owners::Owners,
     weld::WeldArg,
 };
-use report::{Meeting, StageTimes};
+use meetings::Meeting;
+use report::StageTimes;
 
 /// Finds all intersections of one mesh, or of several in one world.
 ///

@@ -16,10 +16,12 @@ use untangle::{
     weld::Weld,
 };
 
-use crate::cli::certificate::Certificate;
-use crate::cli::input::Input;
-use crate::cli::owners::Owners;
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
+use super::meetings::{Meeting, MeetingTable};
+use crate::cli::{
+    certificate::Certificate,
+    input::Input,
+    wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
+};
 
 /// The report of one check; its fields are the JSON schema `untangled.check/1`.
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +34,8 @@ pub struct Report {
     pub num_vertices: usize,
     /// Vertices that are one with an earlier one in their place.
     pub num_welded_vertices: usize,
+    /// Coordinates below 2^-250 m, which count as zero.
+    pub num_zeroed_coordinates: usize,
     /// Triangles.
     pub num_faces: usize,
     /// Triangles with a repeated vertex, which have no area to intersect.
@@ -64,36 +68,6 @@ pub struct Report {
     /// Whether people are told the times.
     #[serde(skip)]
     pub verbose: bool,
-}
-
-/// Two named parts of the world that intersect, or one that intersects itself.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Meeting {
-    /// Their names; what has none is "(unnamed)".
-    pub between: [String; 2],
-    /// Intersecting pairs of triangles.
-    pub num_face_pairs: usize,
-}
-
-/// Most meetings of which people are told; all are in the JSON document.
-const MOST_MEETINGS: usize = 20;
-
-impl Meeting {
-    pub(super) fn of(analysis: &Analysis, owners: &Owners<'_>) -> Vec<Self> {
-        let mut counts: BTreeMap<[Option<String>; 2], usize> = BTreeMap::new();
-        for segment in &analysis.intersections.segments {
-            let mut names = segment.faces.map(|face| owners.of_face(face.0));
-            names.sort();
-            *counts.entry(names).or_default() += 1;
-        }
-        counts.remove(&[None, None]);
-        let word = |name: Option<String>| name.unwrap_or_else(|| "(unnamed)".into());
-        let meeting =
-            |(names, num_face_pairs): ([Option<String>; 2], usize)| Self { between: names.map(word), num_face_pairs };
-        let mut meetings: Vec<Self> = counts.into_iter().map(meeting).collect();
-        meetings.sort_by_key(|meeting| std::cmp::Reverse(meeting.num_face_pairs));
-        meetings
-    }
 }
 
 /// One pair of corresponding paths.
@@ -203,7 +177,7 @@ impl CopyReport {
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
-        Input { weld, mesh, .. }: &Input,
+        input @ Input { weld, mesh, .. }: &Input,
         analysis: &Analysis,
         certificate: Certificate,
         time_us: StageTimes,
@@ -216,6 +190,7 @@ impl Report {
             files: files.iter().map(|path| path.display().to_string()).collect(),
             num_vertices: weld.num_vertices(),
             num_welded_vertices: weld.num_merged(),
+            num_zeroed_coordinates: input.num_zeroed_coordinates(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
             num_pieces: mesh.num_pieces(),
@@ -251,6 +226,9 @@ impl Display for Report {
         }
         write!(f, "{}", Counted(self.num_boundary_edges, "boundary edge"))?;
         writeln!(f, "{}", if self.manifold { "" } else { ", not manifold" })?;
+        if self.num_zeroed_coordinates > 0 {
+            writeln!(f, "  {}", zeroed(self.num_zeroed_coordinates))?;
+        }
         if self.num_welded_vertices > 0 {
             writeln!(f, "  {}", welded(self.num_welded_vertices))?;
         }
@@ -264,7 +242,7 @@ impl Display for Report {
             let hits = Counted(self.num_edge_face_intersections, "edge-face intersection");
             writeln!(f, "  {pairs}, {hits}\n")?;
             self.path_table(f)?;
-            self.meeting_table(f)?;
+            write!(f, "{}", MeetingTable(&self.meetings))?;
         }
         if self.num_face_pairs == 0 && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
@@ -285,21 +263,6 @@ impl Display for Report {
 }
 
 impl Report {
-    fn meeting_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        if self.meetings.is_empty() {
-            return Ok(());
-        }
-        writeln!(f, "\n  face pairs  who meets whom")?;
-        for Meeting { between: [first, second], num_face_pairs } in self.meetings.iter().take(MOST_MEETINGS) {
-            let whom = if first == second { "itself" } else { second };
-            writeln!(f, "  {num_face_pairs:>10}  {first} and {whom}")?;
-        }
-        if self.meetings.len() > MOST_MEETINGS {
-            writeln!(f, "  {:>10}  and fewer in {} more", "", Counted(self.meetings.len() - MOST_MEETINGS, "meeting"))?;
-        }
-        Ok(())
-    }
-
     fn path_table(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(
             f,

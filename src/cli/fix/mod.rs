@@ -89,6 +89,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_certified(),
         num_welded_vertices: input.weld.num_merged(),
+        num_zeroed_coordinates: input.num_zeroed_coordinates(),
         time_limit_reached,
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),

@@ -134,6 +134,16 @@ fn check_contours_writes_lines_and_never_an_input() {
 }
 
 #[test]
+fn check_says_that_tiny_coordinates_count_as_zero() {
+    let folder = folder();
+    fs::write(folder.path().join("tiny.obj"), "v 0 0 0\nv 1 0 1e-80\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let output = check(&["tiny.obj", "--json"], folder.path());
+    assert_eq!(json(&output)["num_zeroed_coordinates"], 1);
+    let text = check(&["tiny.obj"], folder.path()).stdout;
+    assert!(String::from_utf8_lossy(&text).contains("1 coordinate below 2^-250 m counts as zero"));
+}
+
+#[test]
 fn check_says_who_meets_whom_and_how_long_it_took_only_when_asked() {
     let folder = folder();
     fs::write(folder.path().join("named.obj"), "v 0 0 0\nv 1 0 0.01\nv 1 1 0\nv 0 1 0.02\no floor\nf 1 2 3 4\n")

@@ -15,9 +15,11 @@ use untangle::{
     relax::{BlockedPath, Iteration, STRETCH_LIMIT},
 };
 
-use crate::cli::certificate::Certificate;
-use crate::cli::owners::{OwnedVertex, Owners};
-use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of, welded};
+use crate::cli::{
+    certificate::Certificate,
+    owners::{OwnedVertex, Owners},
+    wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
+};
 
 pub use distortion::Distortion;
 
@@ -35,6 +37,8 @@ pub struct Report {
     pub clean: bool,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
+    /// Coordinates below 2^-250 m, which count as zero.
+    pub num_zeroed_coordinates: usize,
     /// Whether the untangling was ended by the time limit.
     pub time_limit_reached: bool,
     /// Iterations of the relaxation; 0 if the input was clean.
@@ -140,6 +144,9 @@ impl Display for Report {
     /// The lines for people.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} -> {}", self.files.join(", "), self.outputs.join(", "))?;
+        if self.num_zeroed_coordinates > 0 {
+            writeln!(f, "  {}", zeroed(self.num_zeroed_coordinates))?;
+        }
         if self.num_welded_vertices > 0 {
             writeln!(f, "  {}", welded(self.num_welded_vertices))?;
         }
@@ -155,17 +162,7 @@ impl Display for Report {
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
             self.after.num_edge_face_intersections,
         )?;
-        if self.before.is_clean() && !self.before.certificate.is_clean() {
-            write!(
-                f,
-                "  the input is clean in double precision as it is, but not for every reader:\n{}",
-                self.before.certificate
-            )?;
-        }
-        let by_readers = self.after.certificate.to_string();
-        if !by_readers.is_empty() {
-            write!(f, "  what readers of the output find:\n{}", by_readers)?;
-        }
+        self.say_readers(f)?;
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
         for iteration in &self.history {
@@ -193,6 +190,26 @@ impl Display for Report {
                 Counted(num_overstretched_edges, "edge"),
             )?;
         }
+        self.say_left(f)
+    }
+}
+
+impl Report {
+    /// What other readers find, where that differs.
+    fn say_readers(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.before.is_clean() && !self.before.certificate.is_clean() {
+            writeln!(f, "  the input is clean in double precision as it is, but not for every reader:")?;
+            write!(f, "{}", self.before.certificate)?;
+        }
+        let by_readers = self.after.certificate.to_string();
+        if !by_readers.is_empty() {
+            write!(f, "  what readers of the output find:\n{by_readers}")?;
+        }
+        Ok(())
+    }
+
+    /// The paths that were left, the longest first.
+    fn say_left(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let mut longest: Vec<&Blocked> = self.blocked.iter().collect();
         longest.sort_by(|a, b| b.length_m.total_cmp(&a.length_m));
         for Blocked { pair_type, file, vertex_in_file, part, length_m, reason, .. } in longest.iter().take(MOST_LEFT) {
