@@ -125,6 +125,6 @@ fn fix_of_a_pocket_of_doubled_vertices_keeps_its_seam_shut() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.obj");
     let report = json(&fix(&["pocket_unwelded.obj", "-o", out.to_str().unwrap(), "--json"], &made));
-    assert_eq!(report["clean"], true);
+    assert!(report["distortion"]["max_displacement_m"].as_f64().unwrap() > 0.0);
     assert_eq!(num_torn(&made.join("pocket_unwelded.obj"), &out), 0);
 }

@@ -20,7 +20,12 @@ pub(super) fn find(faces: &[[u32; 3]], near: &Places, exact: &Places) -> Vec<u32
     let has_company = company(near);
     if has_company.iter().any(|&has| has) {
         sew(faces, near, &has_company, &mut groups);
+        let sewn = groups.clone();
         contract(faces, &short_edges(faces, exact), &mut groups);
+        // A cloth that lies wholly in points or on lines keeps its faces.
+        if !faces.iter().any(|corners| is_usable(corners.map(|corner| groups.first(corner)))) {
+            groups = sewn;
+        }
         take_along(faces, near, &has_company, &mut groups);
     }
     groups.into_firsts()

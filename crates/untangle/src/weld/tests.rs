@@ -88,6 +88,8 @@ fn weld_of_an_edge_without_length_contracts_it() {
     assert_eq!(weld.num_merged(), 1);
     // The faces without width keep their ids, and have a repeated vertex now.
     assert_eq!(weld.describe(&describe(6, &faces)).faces[4], [1, 4, 4]);
+    // A cloth in one point would have no face left.
+    assert_eq!(firsts(&[A, A, A, A], &[[0, 1, 2], [2, 1, 3]], &[], 0.0), [0, 1, 2, 3]);
     // A bridge of two faces would become two sheets that hang together in a point.
     let bridge = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], middle, middle];
     assert_eq!(firsts(&bridge, &[[0, 2, 3], [2, 1, 3]], &[], 0.0), [0, 1, 2, 3]);
