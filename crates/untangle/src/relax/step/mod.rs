@@ -21,7 +21,8 @@ mod tangle;
 mod trial;
 
 pub(crate) use collision_free::CollisionFreeStep;
-pub(crate) use displacement::{DisplacementSolver, Start};
+pub(crate) use damping::{Backtracking, Damping};
+pub(crate) use displacement::{DisplacementSolver, SolverBudget, Start};
 pub(crate) use islands::Islands;
 pub(crate) use precision::stored;
 pub(crate) use selection::{least_strained, least_tangled};
