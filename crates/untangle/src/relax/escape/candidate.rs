@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
-    limits::is_violated,
+    limits::LimitedStep,
     motion::{Motion, Shadow, remaining_depth_m},
     score::{Score, add_moved},
 };
@@ -13,17 +13,10 @@ use crate::{
     relax::{
         constraints::{Constraints, StrainLimits},
         energy::ArapEnergy,
-        step::{
-            Backtracking, Damping, DisplacementSolver, Islands, SolverBudget, Start, Tangle, island_strains, measure,
-            stored,
-        },
+        step::{DisplacementSolver, Islands, SolverBudget, Start, Tangle, island_strains, measure},
     },
 };
 
-/// Backtracking of vertices beyond a strain limit.
-const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 4 };
-/// How often the step of an island is halved where that does not help.
-const MAX_SCALINGS: usize = 4;
 /// Edges that change their length by more than this factor get stiffer.
 const MAX_STRETCH: f64 = 1.05;
 /// The work for one displacement: steps are small, and another iteration follows.
@@ -65,8 +58,7 @@ pub(super) struct Candidate {
     frame: Frame,
     intersector: Intersector,
     found: Intersections,
-    damping: Damping,
-    violated: Vec<usize>,
+    limited: LimitedStep,
     tangles: Vec<Tangle>,
     strains: Vec<f64>,
     shadow: Shadow,
@@ -99,7 +91,8 @@ impl Candidate {
     /// Makes the step and judges where it leads; false where the numbers don't allow it.
     fn judge(&mut self, context: &Context<'_>) -> bool {
         let ArapEnergy { mesh, domain, .. } = context.energy;
-        self.make_step(context);
+        let (displacement, out) = (&self.solver.displacement, &mut self.step.positions);
+        self.limited.make(context.energy, context.islands, displacement, context.single_precision, out);
         if self.frame.set(mesh, self.step.positions.iter().map(|point| (*point).into())).is_err() {
             return false;
         }
@@ -117,51 +110,6 @@ impl Candidate {
             self.step.scores[*island].depth += motion.weight() * depth_m / motion.edge_length_m;
         }
         true
-    }
-
-    /// Moves within the strain limits. Where damping does not help, the whole island moves less far.
-    fn make_step(&mut self, context: &Context<'_>) {
-        let islands = context.islands;
-        let mut scales = vec![1.0; islands.len() + 1];
-        for attempt in 1..=MAX_SCALINGS + 1 {
-            if self.make_damped_step(context, &scales) {
-                return;
-            }
-            let vertices = context.energy.domain.vertices();
-            let mut is_over = vec![false; scales.len()];
-            for &local in &self.violated {
-                is_over[islands.of(vertices[local])] = true;
-            }
-            for (scale, _) in scales.iter_mut().zip(is_over).filter(|(_, is_over)| *is_over) {
-                *scale = if attempt < MAX_SCALINGS { 0.5 * *scale } else { 0.0 };
-            }
-        }
-    }
-
-    /// Moves by a part of the displacement for each island, damped round vertices beyond their strain limits. False
-    /// where some stay beyond them.
-    fn make_damped_step(&mut self, context: &Context<'_>, scales: &[f64]) -> bool {
-        let ArapEnergy { mesh, frame, domain, rest, .. } = context.energy;
-        let vertices = domain.vertices();
-        let before = frame.positions();
-        self.step.positions.clear();
-        self.step.positions.extend_from_slice(before);
-        self.damping.reset(vertices.len());
-        for round in 0..=BACKTRACKING.num_rounds() {
-            for (local, &vertex) in vertices.iter().enumerate() {
-                let part = self.damping.factor(local) * scales[context.islands.of(vertex)];
-                let point = before[vertex.index()] + self.solver.displacement[local] * part;
-                self.step.positions[vertex.index()] = stored(point, context.single_precision);
-            }
-            self.violated.clear();
-            let is_violated = |vertex| is_violated(mesh, rest, before, &self.step.positions, vertex);
-            self.violated.extend((0..vertices.len()).filter(|&local| is_violated(vertices[local])));
-            if self.violated.is_empty() {
-                return true;
-            }
-            self.damping.damp(mesh, domain, self.violated.iter().copied(), BACKTRACKING.factor(round));
-        }
-        false
     }
 
     /// Takes over the islands that the last step leaves better.

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{
     candidate::{Candidate, Context},
-    limits::is_violated,
+    limits::LimitedStep,
     motion::{Motion, MotionFinder, Scene, contours},
     rows::Rows,
     score::{Score, add_moved},
@@ -105,6 +105,7 @@ struct Descent {
     /// For all kinds of rows.
     constraints: [Constraints; 3],
     candidates: Vec<Candidate>,
+    limited: LimitedStep,
     edge_length_m: f64,
     /// Iterations without much gain.
     stalled: usize,
@@ -172,14 +173,17 @@ impl Descent {
             candidate.run(&context, &constraints[rows as usize], stiffness);
         });
         let choice: Vec<Option<usize>> = (0..self.now.len()).map(|island| self.best_for(island)).collect();
-        let positions = self.composed(relaxer, &choice);
-        let before = frame.positions();
-        let is_torn = |&vertex: &_| is_violated(mesh, rest, before, &positions, vertex);
-        if domain.vertices().iter().any(is_torn) {
-            // Islands that moved differently are torn apart at their borders.
-            let best = self.best_of_all();
-            return self.composed(relaxer, &vec![best; choice.len()]);
-        }
+        let displacement: Vec<Vector3<f64>> = domain
+            .vertices()
+            .iter()
+            .map(|&vertex| match choice[islands.of(vertex)] {
+                Some(index) => self.candidates[index].best.positions[vertex.index()] - frame.position(vertex),
+                None => Vector3::zeros(),
+            })
+            .collect();
+        // Islands that move differently must not be torn apart at their borders.
+        let mut positions = Vec::new();
+        self.limited.make(context.energy, islands, &displacement, settings.single_precision, &mut positions);
         positions
     }
 
@@ -196,31 +200,12 @@ impl Descent {
         recipes
     }
 
-    /// The present positions, with each island moved by the candidate that was chosen for it.
-    fn composed(&self, relaxer: &Relaxer<'_>, choice: &[Option<usize>]) -> Vec<Point3<f64>> {
-        let mut positions = relaxer.frame.positions().to_vec();
-        for &vertex in relaxer.domain.vertices() {
-            if let Some(index) = choice[relaxer.islands.of(vertex)] {
-                positions[vertex.index()] = self.candidates[index].best.positions[vertex.index()];
-            }
-        }
-        positions
-    }
-
-    /// The best candidate for an island; nothing for one that is not tangled.
+    /// The best candidate for an island, the first of equals; nothing for one that is not tangled.
     fn best_for(&self, island: usize) -> Option<usize> {
         if self.now[island].merit() == 0.0 {
             return None;
         }
-        self.least(|candidate| candidate.best.scores[island].value())
-    }
-
-    fn best_of_all(&self) -> Option<usize> {
-        self.least(|candidate| candidate.best.scores.iter().map(Score::value).sum())
-    }
-
-    /// The usable candidate with the least value, the first of equals.
-    fn least(&self, value: impl Fn(&Candidate) -> f64) -> Option<usize> {
+        let value = |candidate: &Candidate| candidate.best.scores[island].value();
         let usable = self.candidates.iter().enumerate().filter(|(_, candidate)| candidate.is_usable);
         usable.min_by(|a, b| value(a.1).total_cmp(&value(b.1))).map(|(index, _)| index)
     }

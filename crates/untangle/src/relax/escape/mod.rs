@@ -15,8 +15,12 @@ mod descent;
 mod limits;
 mod motion;
 mod rows;
+#[cfg(test)]
+mod samples;
 mod score;
 mod settle;
+#[cfg(test)]
+mod tests;
 
 pub(super) use descent::descend;
 pub(super) use settle::settle;
