@@ -8,6 +8,7 @@
 //! | `step` | one step: the displacement, contacts, line search, islands of coupled contours |
 //! | `plan` | which displacements are tried, and in which order of plans |
 //! | `relaxer` | the state of a relaxation under way |
+//! | `escape` | the nearest plan: sheets leave each other by the shortest motions |
 //! | `resolve` | iterations of trial displacements |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `recovery` | shape recovery once nothing intersects |
@@ -19,6 +20,7 @@
 mod constraints;
 mod coupled;
 mod energy;
+mod escape;
 mod flattening;
 mod outcome;
 mod plan;

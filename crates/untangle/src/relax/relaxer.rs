@@ -145,8 +145,14 @@ impl<'a> Relaxer<'a> {
 
     /// Runs a trial for each of the settings, in parallel, with the constraints that it has, over the present domain.
     pub(super) fn run_trials(&mut self, settings: &[TrialSettings], rest_weight: f64) {
-        let energy =
-            ArapEnergy { mesh: self.mesh, frame: &self.frame, rest: &self.rest, domain: &self.domain, rest_weight };
+        let energy = ArapEnergy {
+            mesh: self.mesh,
+            frame: &self.frame,
+            rest: &self.rest,
+            domain: &self.domain,
+            rest_weight,
+            anchor: 0.0,
+        };
         let context = TrialContext {
             energy,
             present: &self.analyser.last().intersections,

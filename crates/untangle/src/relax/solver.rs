@@ -3,9 +3,11 @@
 use nalgebra::Point3;
 
 use super::{
+    constraints::Objective,
+    escape::{descend, settle},
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
-    plan::{Largest, Plan, StallCriterion, is_beyond_trials, plans},
+    plan::{Largest, Pace, Plan, StallCriterion, is_beyond_trials, plans},
     recovery::recover_shape,
     relaxer::{Progress, Relaxer},
     resolve::resolve,
@@ -30,16 +32,16 @@ pub(super) fn run(
     let mut relaxer = Relaxer::new(mesh, positions, settings, should_stop)?;
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
-    let mut end = End::Clean;
     let largest = analyse_input(&mut relaxer);
-    for (index, plan) in plans(largest).into_iter().enumerate() {
+    let mut end = escape(&mut relaxer, largest, &mut best, progress)?;
+    let is_near = end == End::Clean;
+    let plans = if end == End::Stuck { plans(largest) } else { Vec::new() };
+    for plan in plans {
         if let Plan::Resolve { inside, .. } = plan {
             relaxer.analysis_settings.inside = inside;
         }
-        if index > 0 {
-            relaxer.separated.clear();
-            relaxer.set_frame(&input)?;
-        }
+        relaxer.separated.clear();
+        relaxer.set_frame(&input)?;
         end = match plan {
             Plan::Resolve { objective, pace, .. } => {
                 let stall = StallCriterion::with(largest.num_edge_face, pace);
@@ -53,6 +55,10 @@ pub(super) fn run(
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
+    if is_near && !relaxer.history.is_empty() && !interrupted {
+        interrupted = settle(&mut relaxer, progress)?;
+        relaxer.analyse();
+    }
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = recover_shape(&mut relaxer, progress)?;
     }
@@ -63,6 +69,27 @@ pub(super) fn run(
     };
     let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
+}
+
+/// The nearest plan: a descent by local motions, and trials from where it ends stuck.
+fn escape(
+    relaxer: &mut Relaxer<'_>,
+    largest: Largest,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<End, RelaxError> {
+    if largest.is_crowded() {
+        return Ok(End::Stuck);
+    }
+    let mut end = descend(relaxer, best, progress)?;
+    for objective in [Objective::Normal, Objective::Target] {
+        if end == End::Stuck {
+            relaxer.set_frame(&best.positions)?;
+            let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
+            end = resolve(relaxer, objective, Pace::Usual, stall, best, progress)?;
+        }
+    }
+    Ok(end)
 }
 
 /// Analyses the input. Gives back what there is to know about the island of paths that has most.

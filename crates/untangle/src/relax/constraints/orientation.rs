@@ -43,7 +43,7 @@ impl Orientation {
     }
 
     /// Twice the area vector of a face.
-    fn area(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Vector3<f64> {
+    pub(crate) fn area(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Vector3<f64> {
         let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
         let area = (b - a).cross(&(c - a));
         if self.is_reversed[face.index()] { -area } else { area }

@@ -72,7 +72,7 @@ impl Constraints {
     }
 
     /// `own` moves along `direction` by `wanted_m` more than `partner`.
-    pub(super) fn separate(
+    pub(crate) fn separate(
         &mut self,
         own: &MaterialPoint,
         partner: &MaterialPoint,

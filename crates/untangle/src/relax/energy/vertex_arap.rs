@@ -65,6 +65,9 @@ pub(crate) struct ArapEnergy<'a> {
     pub(crate) domain: &'a Domain,
     /// The part of the rest shape in the edges that are kept: 0 keeps the present shape, 1 restores the rest shape.
     pub(crate) rest_weight: f64,
+    /// The part of the way back to the input that the displacement is measured from: 0 for the present positions, 1 for
+    /// those of the input.
+    pub(crate) anchor: f64,
 }
 
 impl ArapEnergy<'_> {
@@ -85,11 +88,11 @@ impl ArapEnergy<'_> {
         rotations: &mut Vec<[Matrix3<f64>; 2]>,
         out: &mut [Vector3<f64>],
     ) {
-        let Self { mesh, frame, rest, domain, rest_weight } = *self;
+        let Self { mesh, frame, rest, domain, rest_weight, anchor } = *self;
         rotations.clear();
         rotations.extend(domain.vertices().iter().map(|&vertex| self.rotations(displacement, vertex)));
         for (local, &vertex) in domain.vertices().iter().enumerate() {
-            let mut force = Vector3::zeros();
+            let mut force = (rest.position(vertex) - frame.position(vertex)) * anchor;
             for &edge in mesh.vertex_edges(vertex) {
                 let other = mesh.opposite_vertex(edge, vertex);
                 let there = rotations[domain.local(other).unwrap_or(local)];

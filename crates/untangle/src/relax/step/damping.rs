@@ -8,43 +8,43 @@ const DAMPED_RINGS: u32 = 6;
 /// How a step backtracks: damped vertices get half of their factor in each of so many rounds, and then none in so many
 /// more.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Backtracking {
-    pub(super) halvings: usize,
-    pub(super) stops: usize,
+pub(crate) struct Backtracking {
+    pub(crate) halvings: usize,
+    pub(crate) stops: usize,
 }
 
 impl Backtracking {
     /// The number of rounds.
-    pub(super) fn num_rounds(self) -> usize {
+    pub(crate) fn num_rounds(self) -> usize {
         self.halvings + self.stops
     }
 
     /// The factor of a round.
-    pub(super) fn factor(self, round: usize) -> f64 {
+    pub(crate) fn factor(self, round: usize) -> f64 {
         if round < self.halvings { 0.5 } else { 0.0 }
     }
 }
 
 /// For each vertex of a domain the part of its displacement that it makes.
 #[derive(Debug, Default)]
-pub(super) struct Damping {
+pub(crate) struct Damping {
     factors: Vec<f64>,
     front: Vec<usize>,
 }
 
 impl Damping {
     /// Lets `size` vertices make all of their displacement.
-    pub(super) fn reset(&mut self, size: usize) {
+    pub(crate) fn reset(&mut self, size: usize) {
         self.factors.clear();
         self.factors.resize(size, 1.0);
     }
 
-    pub(super) fn factor(&self, local: usize) -> f64 {
+    pub(crate) fn factor(&self, local: usize) -> f64 {
         self.factors[local]
     }
 
     /// Damps the displacement of some vertices by a factor, and round them as much as it takes to be smooth.
-    pub(super) fn damp(&mut self, mesh: &Mesh, domain: &Domain, locals: impl Iterator<Item = usize>, factor: f64) {
+    pub(crate) fn damp(&mut self, mesh: &Mesh, domain: &Domain, locals: impl Iterator<Item = usize>, factor: f64) {
         self.front.clear();
         self.front.extend(locals);
         for &local in &self.front {
@@ -71,7 +71,7 @@ impl Damping {
     }
 
     /// Stops all vertices for which `is_stopped` holds. False if none of them moved.
-    pub(super) fn stop(&mut self, is_stopped: impl Fn(usize) -> bool) -> bool {
+    pub(crate) fn stop(&mut self, is_stopped: impl Fn(usize) -> bool) -> bool {
         let mut any = false;
         for (local, factor) in self.factors.iter_mut().enumerate() {
             if is_stopped(local) {

@@ -36,9 +36,27 @@ pub(crate) enum Start {
     Warm,
 }
 
+/// How much work a solution may take, and how hard constraints are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SolverBudget {
+    /// Newton steps, each with the rotations that fit the displacement so far.
+    pub(crate) newton_steps: usize,
+    /// Steps of conjugate gradients in each of them.
+    pub(crate) cg_steps: usize,
+    /// Weight of the constraints against the displacement of one vertex.
+    pub(crate) penalty: f64,
+}
+
+impl Default for SolverBudget {
+    fn default() -> Self {
+        Self { newton_steps: MAX_NEWTON_STEPS, cg_steps: MAX_CG_STEPS, penalty: PENALTY }
+    }
+}
+
 /// Memory of the solver.
 #[derive(Debug, Default)]
 pub(crate) struct DisplacementSolver {
+    pub(crate) budget: SolverBudget,
     /// One vector for each vertex of the domain, in metres.
     pub(crate) displacement: Vec<Vector3<f64>>,
     constraints: LocalConstraints,
@@ -114,7 +132,7 @@ impl DisplacementSolver {
     ) -> bool {
         // Each step begins where the last one ended: the remaining residuals get ever smaller, and need no more digits.
         let mut target = None;
-        for _ in 0..MAX_NEWTON_STEPS {
+        for _ in 0..self.budget.newton_steps {
             self.before.copy_from_slice(&self.displacement);
             energy.force(stiffness, &self.displacement, &self.stiffening, &mut self.rotations, &mut self.force);
             let displacement = &self.displacement;
@@ -176,7 +194,7 @@ impl DisplacementSolver {
         self.search.copy_from_slice(&self.precond);
         let mut product = dot(&self.residual, &self.precond);
         let target = *target.get_or_insert(product * CG_TOLERANCE * CG_TOLERANCE);
-        for _ in 0..MAX_CG_STEPS {
+        for _ in 0..self.budget.cg_steps {
             if product <= target || product <= 0.0 || should_stop() {
                 break;
             }
@@ -210,7 +228,7 @@ impl DisplacementSolver {
         for ((row, wanted_m), _) in self.constraints.rows().zip(&self.active).filter(|(_, active)| **active) {
             let missing = wanted_m - row_value(row, &self.displacement);
             for (local, coefficient) in row {
-                self.residual[*local] += coefficient * (PENALTY * missing);
+                self.residual[*local] += coefficient * (self.budget.penalty * missing);
             }
         }
     }
@@ -221,7 +239,7 @@ impl DisplacementSolver {
         for ((row, _), _) in self.constraints.rows().zip(&self.active).filter(|(_, active)| **active) {
             let along = row_value(row, &self.search);
             for (local, coefficient) in row {
-                self.image[*local] += coefficient * (PENALTY * along);
+                self.image[*local] += coefficient * (self.budget.penalty * along);
             }
         }
     }

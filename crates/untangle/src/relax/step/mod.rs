@@ -24,7 +24,8 @@ mod trial;
 
 pub(crate) use choice::{Groups, Seams, least_strained, least_tangled};
 pub(crate) use collision_free::CollisionFreeStep;
-pub(crate) use displacement::{DisplacementSolver, Start};
+pub(crate) use damping::{Backtracking, Damping};
+pub(crate) use displacement::{DisplacementSolver, SolverBudget, Start};
 pub(crate) use islands::Islands;
 pub(crate) use pinned::{are_faces_pinned, num_movable, remove_pinned_chains};
 pub(crate) use precision::stored;

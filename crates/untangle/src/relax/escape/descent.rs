@@ -1,0 +1,244 @@
+//! The iterations of the descent.
+
+use std::ops::ControlFlow;
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+use super::{
+    candidate::{Candidate, Context},
+    limits::LimitedStep,
+    motion::{Motion, MotionFinder, Scene, contours},
+    rows::Rows,
+    score::{Score, add_moved},
+};
+use crate::{
+    analysis::Analysis,
+    geometry::mean_edge_length,
+    intersect::Intersector,
+    paths::{IntersectionPaths, PathFinder},
+    relax::{
+        constraints::Constraints,
+        energy::ArapEnergy,
+        outcome::{BestState, End, Method, RelaxError},
+        relaxer::{Progress, Relaxer},
+        step::{island_strains, measure, remove_pinned_chains},
+    },
+};
+
+/// Rings round the constraints that may move, more of them where motions are deep.
+const DOMAIN_RINGS: usize = 14;
+const RINGS_FOR_DEPTH: f64 = 2.0;
+const MAX_DOMAIN_RINGS: f64 = 46.0;
+/// The part of the rest shape in the edges that are kept, from the second iteration on.
+const REST_WEIGHT: f64 = 0.3;
+/// Ends where so many iterations took away less than a part of the merit.
+const PATIENCE: usize = 8;
+const MIN_GAIN: f64 = 0.02;
+/// Iterations without that much gain until other ways are tried.
+const STALLED: usize = 2;
+/// States with fewer edge-face intersections get more candidates.
+const FEW: usize = 400;
+
+/// The candidates of an iteration, by constraints and stiffness; the root of that is the length, in edges, over which a
+/// displacement decays. The first are for all states, the next for those with few intersections, the last for those
+/// that are stalled.
+const RECIPES: [[(Rows, f64); 3]; 3] = [
+    [(Rows::Wide, 16.0), (Rows::Wide, 256.0), (Rows::Wide, 4096.0)],
+    [(Rows::Narrow, 1.0), (Rows::Narrow, 16.0), (Rows::Narrow, 256.0)],
+    [(Rows::Shorten, 1.0), (Rows::Shorten, 16.0), (Rows::Shorten, 256.0)],
+];
+
+/// Iterates from the present state until nothing intersects any more, or nothing helps any more.
+///
+/// Cost: an iteration takes three to nine displacements, in parallel; each has some factorisations of a sparse system
+/// over the vertices near the intersections, and up to three searches for intersections.
+pub(in crate::relax) fn descend(
+    relaxer: &mut Relaxer<'_>,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<End, RelaxError> {
+    let mut descent = Descent::default();
+    // The least merit, and the iteration that reached it.
+    let mut least = (f64::INFINITY, 0);
+    for iteration in 0.. {
+        descent.look(relaxer);
+        let tangle: f64 = descent.now.iter().map(|score| score.tangle.merit()).sum();
+        if tangle < best.merit {
+            *best = BestState { merit: tangle, positions: relaxer.frame.positions().to_vec() };
+        }
+        if descent.analysis.intersections.edge_face.is_empty() {
+            return Ok(End::Clean);
+        }
+        if (relaxer.should_stop)() {
+            return Ok(End::Interrupted);
+        }
+        if relaxer.is_exhausted() {
+            return Ok(End::Exhausted);
+        }
+        let merit: f64 = descent.now.iter().map(Score::merit).sum();
+        if merit < (1.0 - MIN_GAIN) * least.0 {
+            least = (merit, iteration);
+        }
+        descent.stalled = iteration - least.1;
+        if descent.stalled >= PATIENCE {
+            break;
+        }
+        let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
+        let Relaxer { mesh, frame, separated, .. } = relaxer;
+        frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
+        separated.hold(&descent.constraints[0], frame);
+        if descent.report(relaxer, progress).is_break() {
+            return Ok(End::Interrupted);
+        }
+    }
+    Ok(End::Stuck)
+}
+
+/// The state of a descent.
+#[derive(Default)]
+struct Descent {
+    intersector: Intersector,
+    path_finder: PathFinder,
+    /// Without regions, which are not needed here.
+    analysis: Analysis,
+    /// Each with its island.
+    motions: Vec<(Motion, usize)>,
+    now: Vec<Score>,
+    /// For all kinds of rows.
+    constraints: [Constraints; 3],
+    candidates: Vec<Candidate>,
+    limited: LimitedStep,
+    edge_length_m: f64,
+    /// Iterations without much gain.
+    stalled: usize,
+}
+
+impl Descent {
+    /// Finds the contours of the present state, their motions and islands, and how good it is.
+    fn look(&mut self, relaxer: &mut Relaxer<'_>) {
+        let Analysis { intersections, paths, regions } = &mut self.analysis;
+        let Relaxer { mesh, frame, islands, domain, .. } = relaxer;
+        self.intersector.intersect(mesh, frame, intersections);
+        relaxer.has_pinned_chains = remove_pinned_chains(mesh, intersections);
+        self.path_finder.find(mesh, frame, intersections, paths);
+        regions.by_copy.clear();
+        regions.by_copy.resize(paths.copies.len(), None);
+        let faces = intersections.segments.iter().flat_map(|segment| segment.faces);
+        self.edge_length_m = mean_edge_length(mesh, frame, faces).unwrap_or(1.0);
+        let scene = Scene { mesh, frame, orientation: &relaxer.orientation, found: intersections };
+        let motions = find_motions(&scene, paths, self.stalled.saturating_sub(STALLED - 1));
+        let depth = motions.iter().map(|motion| motion.depth_m / motion.edge_length_m).fold(0.0, f64::max);
+        let rings = DOMAIN_RINGS + whole((RINGS_FOR_DEPTH * depth).min(MAX_DOMAIN_RINGS));
+        islands.find(mesh, &self.analysis, 2 * rings);
+        domain.grow(mesh, motions.iter().flat_map(Motion::vertices), rings);
+        self.motions.clear();
+        for motion in motions {
+            let island = islands.of(mesh.face(motion.first)[0]);
+            self.motions.push((motion, island));
+        }
+        self.judge(relaxer);
+    }
+
+    /// Judges the present state.
+    fn judge(&mut self, relaxer: &Relaxer<'_>) {
+        let Relaxer { mesh, frame, islands, domain, rest, limits, .. } = relaxer;
+        let (mut tangles, mut strains) = (Vec::new(), Vec::new());
+        measure(mesh, frame, &self.analysis.intersections, islands, &mut tangles);
+        island_strains(mesh, domain, islands, limits, frame.positions(), &mut strains);
+        let scores = tangles.iter().zip(&strains);
+        self.now = scores.map(|(&tangle, &strain)| Score { tangle, strain, ..Score::default() }).collect();
+        let energy = ArapEnergy { mesh, frame, rest, domain, rest_weight: 0.0, anchor: 0.0 };
+        add_moved(energy, islands, frame.positions(), self.edge_length_m, &mut self.now);
+        for (motion, island) in &self.motions {
+            self.now[*island].depth += motion.weight() * motion.depth_m / motion.edge_length_m;
+        }
+    }
+
+    /// Runs the candidates and takes the best for each island.
+    fn step(&mut self, relaxer: &Relaxer<'_>, rest_weight: f64) -> Vec<Point3<f64>> {
+        for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
+            rows.collect(relaxer, &self.analysis, &self.motions, constraints);
+        }
+        let recipes = self.recipes();
+        self.candidates.resize_with(recipes.len(), Candidate::default);
+        let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
+        let context = Context {
+            energy: ArapEnergy { mesh, frame, rest, domain, rest_weight, anchor: 0.0 },
+            islands,
+            limits,
+            motions: &self.motions,
+            now: &self.now,
+            edge_length_m: self.edge_length_m,
+            single_precision: settings.single_precision,
+            should_stop: relaxer.should_stop,
+        };
+        let constraints = &self.constraints;
+        self.candidates.par_iter_mut().zip(&recipes).for_each(|(candidate, &(rows, stiffness))| {
+            candidate.run(&context, &constraints[rows as usize], stiffness);
+        });
+        let choice: Vec<Option<usize>> = (0..self.now.len()).map(|island| self.best_for(island)).collect();
+        let displacement: Vec<Vector3<f64>> = domain
+            .vertices()
+            .iter()
+            .map(|&vertex| match choice[islands.of(vertex)] {
+                Some(index) => self.candidates[index].best.positions[vertex.index()] - frame.position(vertex),
+                None => Vector3::zeros(),
+            })
+            .collect();
+        // Islands that move differently must not be torn apart at their borders.
+        let mut positions = Vec::new();
+        self.limited.make(context.energy, islands, &displacement, settings.single_precision, &mut positions);
+        positions
+    }
+
+    fn recipes(&self) -> Vec<(Rows, f64)> {
+        let has_few = self.analysis.intersections.edge_face.len() < FEW;
+        let [for_all, for_few, for_stalled] = RECIPES;
+        let mut recipes = for_all.to_vec();
+        if has_few {
+            recipes.extend(for_few);
+        }
+        if self.stalled >= STALLED {
+            recipes.extend(for_stalled);
+        }
+        recipes
+    }
+
+    /// The best candidate for an island, the first of equals; nothing for one that is not tangled.
+    fn best_for(&self, island: usize) -> Option<usize> {
+        if self.now[island].merit() == 0.0 {
+            return None;
+        }
+        let value = |candidate: &Candidate| candidate.best.scores[island].value();
+        let usable = self.candidates.iter().enumerate().filter(|(_, candidate)| candidate.is_usable);
+        usable.min_by(|a, b| value(a.1).total_cmp(&value(b.1))).map(|(index, _)| index)
+    }
+
+    fn report(&self, relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> ControlFlow<()> {
+        let length_m = self.analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
+        relaxer.note(Method::Push, self.analysis.intersections.edge_face.len(), length_m, progress)
+    }
+}
+
+/// The motions of all contours, in their order.
+fn find_motions(scene: &Scene<'_>, paths: &IntersectionPaths, variant: usize) -> Vec<Motion> {
+    let motions: Vec<Vec<Motion>> = contours(scene.mesh, scene.frame, paths)
+        .par_iter()
+        .map_init(
+            || MotionFinder::of_variant(variant),
+            |finder, contour| {
+                let mut motions = Vec::new();
+                finder.find(scene, contour, &mut motions);
+                motions
+            },
+        )
+        .collect();
+    motions.into_iter().flatten().collect()
+}
+
+/// The whole part of a number that is not negative.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the conversion saturates")]
+fn whole(value: f64) -> usize {
+    value as usize
+}

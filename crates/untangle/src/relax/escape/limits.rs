@@ -1,0 +1,115 @@
+//! Strain limits of the descent: narrower than those of trials, and always held.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    relax::{
+        energy::{ArapEnergy, RestShape},
+        step::{Backtracking, Damping, Islands, stored},
+    },
+};
+
+/// No edge may get longer than this many times its length in the input, or shorter than the inverse.
+const MAX_STRETCH: f64 = 1.5;
+/// No face may keep less than this part of its area.
+const MIN_AREA: f64 = 0.25;
+/// Backtracking of vertices beyond a limit.
+const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 4 };
+/// How often the step of an island is halved where that does not help, before it is left out.
+const MAX_SCALINGS: usize = 4;
+
+/// A step that is made within the limits, with its memory.
+#[derive(Debug, Default)]
+pub(super) struct LimitedStep {
+    damping: Damping,
+    violated: Vec<usize>,
+    scales: Vec<f64>,
+}
+
+impl LimitedStep {
+    /// Moves the vertices of the domain by a displacement each, or less far, and puts all positions into `out`. Where
+    /// damping does not help, the whole island moves less far.
+    pub(super) fn make(
+        &mut self,
+        energy: ArapEnergy<'_>,
+        islands: &Islands,
+        displacement: &[Vector3<f64>],
+        single_precision: bool,
+        out: &mut Vec<Point3<f64>>,
+    ) {
+        self.scales.clear();
+        self.scales.resize(islands.len() + 1, 1.0);
+        for attempt in 1..=MAX_SCALINGS + 1 {
+            if self.make_damped(energy, islands, displacement, single_precision, out) {
+                return;
+            }
+            let vertices = energy.domain.vertices();
+            let mut is_over = vec![false; self.scales.len()];
+            for &local in &self.violated {
+                is_over[islands.of(vertices[local])] = true;
+            }
+            for (scale, _) in self.scales.iter_mut().zip(is_over).filter(|(_, is_over)| *is_over) {
+                *scale = if attempt < MAX_SCALINGS { 0.5 * *scale } else { 0.0 };
+            }
+        }
+    }
+
+    /// Moves by a part of the displacement for each island, damped round vertices beyond their limits. False where some
+    /// stay beyond them.
+    fn make_damped(
+        &mut self,
+        energy: ArapEnergy<'_>,
+        islands: &Islands,
+        displacement: &[Vector3<f64>],
+        single_precision: bool,
+        out: &mut Vec<Point3<f64>>,
+    ) -> bool {
+        let ArapEnergy { mesh, frame, domain, rest, .. } = energy;
+        let vertices = domain.vertices();
+        let before = frame.positions();
+        out.clear();
+        out.extend_from_slice(before);
+        self.damping.reset(vertices.len());
+        for round in 0..=BACKTRACKING.num_rounds() {
+            for (local, &vertex) in vertices.iter().enumerate() {
+                let part = self.damping.factor(local) * self.scales[islands.of(vertex)];
+                let point = before[vertex.index()] + displacement[local] * part;
+                out[vertex.index()] = stored(point, single_precision);
+            }
+            self.violated.clear();
+            let is_violated = |vertex| is_violated(mesh, rest, before, out, vertex);
+            self.violated.extend((0..vertices.len()).filter(|&local| is_violated(vertices[local])));
+            if self.violated.is_empty() {
+                return true;
+            }
+            self.damping.damp(mesh, domain, self.violated.iter().copied(), BACKTRACKING.factor(round));
+        }
+        false
+    }
+}
+
+/// Whether a face or an edge of a vertex is beyond its limit after a step, and farther than before it.
+fn is_violated(mesh: &Mesh, rest: &RestShape, before: &[Point3<f64>], after: &[Point3<f64>], vertex: VertexId) -> bool {
+    let is_edge_violated = |&edge: &EdgeId| {
+        let ends = mesh.edge(edge);
+        let length = |at: &dyn Fn(VertexId) -> Point3<f64>| (at(ends[1]) - at(ends[0])).norm();
+        let input = length(&|vertex| rest.position(vertex));
+        let now = length(&|vertex| after[vertex.index()]);
+        if input == 0.0 || (now <= MAX_STRETCH * input && now * MAX_STRETCH >= input) {
+            return false;
+        }
+        let then = length(&|vertex| before[vertex.index()]);
+        if now > input { now > then } else { now < then }
+    };
+    let is_face_violated = |&face: &FaceId| {
+        let corners = mesh.face(face);
+        let area = |at: &dyn Fn(VertexId) -> Point3<f64>| {
+            let [a, b, c] = corners.map(at);
+            (b - a).cross(&(c - a)).norm()
+        };
+        let now = area(&|vertex| after[vertex.index()]);
+        now < MIN_AREA * area(&|vertex| rest.position(vertex)) && now < area(&|vertex| before[vertex.index()])
+    };
+    mesh.vertex_edges(vertex).iter().any(is_edge_violated) || mesh.vertex_faces(vertex).iter().any(is_face_violated)
+}

@@ -1,0 +1,26 @@
+//! Escape: both sheets of every contour are drawn apart by the shortest motion, in small steps of one displacement field.
+//!
+//! | file or folder | purpose |
+//! |---|---|
+//! | `motion` | the shortest way in which the two sheets of a contour leave each other |
+//! | `rows` | the constraints of one iteration |
+//! | `limits` | strain that no step may go beyond |
+//! | `score` | how good a state is |
+//! | `candidate` | one displacement field, made within the limits and judged |
+//! | `descent` | the iterations |
+//! | `settle` | recovery of shape once nothing intersects |
+
+mod candidate;
+mod descent;
+mod limits;
+mod motion;
+mod rows;
+#[cfg(test)]
+mod samples;
+mod score;
+mod settle;
+#[cfg(test)]
+mod tests;
+
+pub(super) use descent::descend;
+pub(super) use settle::settle;

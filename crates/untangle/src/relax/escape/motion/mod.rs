@@ -1,0 +1,25 @@
+//! How the two sheets of a contour leave each other: the shortest way, from the surfaces themselves.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `contour` | path pairs as chains between two sheets, and pieces of them |
+//! | `sheets` | geodesic windows of both sheets round a contour |
+//! | `triangle` | triangles seen along a direction |
+//! | `grid` | which of them overlap |
+//! | `shadow` | how far one sheet has to move along a direction to leave the other |
+//! | `directions` | the directions that are looked at |
+//! | `finder` | direction, depth and points of the shortest motion |
+
+mod contour;
+mod directions;
+mod finder;
+mod grid;
+mod shadow;
+mod sheets;
+#[cfg(test)]
+mod tests;
+mod triangle;
+
+pub(crate) use contour::contours;
+pub(crate) use finder::{Motion, MotionFinder, Scene, remaining_depth_m};
+pub(crate) use shadow::Shadow;
