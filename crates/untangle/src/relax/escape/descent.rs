@@ -22,6 +22,7 @@ use crate::{
         energy::ArapEnergy,
         outcome::{BestState, End, Method, RelaxError},
         relaxer::{Progress, Relaxer},
+        settings::Effort,
         step::{island_strains, measure},
     },
 };
@@ -156,7 +157,7 @@ impl Descent {
         for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
             rows.collect(relaxer, &self.analysis, &self.motions, constraints);
         }
-        let recipes = self.recipes();
+        let recipes = self.recipes(relaxer.settings.effort);
         self.candidates.resize_with(recipes.len(), Candidate::default);
         let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
         let context = Context {
@@ -187,8 +188,8 @@ impl Descent {
         positions
     }
 
-    fn recipes(&self) -> Vec<(Rows, f64)> {
-        let has_few = self.analysis.intersections.edge_face.len() < FEW;
+    fn recipes(&self, effort: Effort) -> Vec<(Rows, f64)> {
+        let has_few = effort != Effort::Fast && self.analysis.intersections.edge_face.len() < FEW;
         let [for_all, for_few, for_stalled] = RECIPES;
         let mut recipes = for_all.to_vec();
         if has_few {
