@@ -1,10 +1,13 @@
 //! The relaxation behind `untangled fix`, on generated scenes; judged by the exact checker of the example host.
 
-use std::ops::ControlFlow;
+use std::{
+    ops::ControlFlow,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use untangle::{
     mesh::{Mesh, MeshDescription},
-    relax::{Effort, Method, RelaxSettings, Relaxation, relax},
+    relax::{Effort, Method, RelaxSettings, Relaxation, relax, relax_until},
 };
 use untangled_checker::count_edge_face;
 use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};
@@ -150,4 +153,86 @@ fn relax_when_interrupted_returns_the_best_state() {
     let relaxation = relax(&mesh, &sheet.positions, &none, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(relaxation.positions, sheet.positions);
     assert!(!relaxation.blocked.is_empty());
+}
+
+#[test]
+fn relax_on_fold_of_one_ring_opens_it_with_one_push() {
+    // Eight triangles round a vertex, of which one pierces another: no shorter path leaves both their areas.
+    let ring = [
+        [-0.0318, 0.0205, -0.0353],
+        [-0.0657, 0.0114, -0.0993],
+        [-0.0116, 0.1008, 0.0688],
+        [0.0573, -0.0885, -0.1805],
+        [-0.0557, 0.1147, 0.0333],
+        [0.0523, -0.0627, -0.1627],
+        [-0.0700, 0.1135, -0.0122],
+        [0.0220, -0.0856, -0.2807],
+    ];
+    let positions = [vec![[0.0; 3]], ring.to_vec()].concat();
+    let quads = [[0, 1, 5, 3], [0, 3, 7, 2], [0, 2, 8, 4], [0, 4, 6, 1]];
+    let faces: Vec<[u32; 3]> = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let mesh = Mesh::new(MeshDescription { num_vertices: 9, faces: faces.clone(), ..Default::default() }).unwrap();
+    assert_eq!(count_edge_face(&positions, &faces), Ok(1));
+    let settings = RelaxSettings::default();
+    let relaxation = relax(&mesh, &positions, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(count_edge_face(&relaxation.positions, &faces), Ok(0));
+    let methods: Vec<Method> = relaxation.history.iter().map(|step| step.method).collect();
+    println!("{methods:?}");
+    assert!(methods.iter().all(|method| matches!(method, Method::Push | Method::RecoverShape)));
+}
+
+#[test]
+fn relax_on_bodies_that_overlap_waits_for_nothing_there() {
+    let mut sheet = scenes().swap_remove(1).1;
+    let free = sheet.positions.len();
+    // Two bodies, each a sheet on end: they cross each other and nothing else.
+    for turn in [0.0, 0.4] {
+        sheet.add_grid([-0.5, 0.5], [0.0, 1.0], [6, 6], |u, v| [3.0 + u, turn * u + 0.01, v]);
+    }
+    let pins: Vec<u32> = (free..sheet.positions.len()).map(|vertex| u32::try_from(vertex).unwrap()).collect();
+    let alone = run(&scenes()[1].1, &RelaxSettings::default());
+    let relax_with = |pins: Vec<u32>| {
+        let mesh = Mesh::new(MeshDescription { pins, ..sheet.description() }).unwrap();
+        relax(&mesh, &sheet.positions, &RelaxSettings::default(), &mut |_| ControlFlow::Continue(())).unwrap()
+    };
+    let relaxation = relax_with(pins.clone());
+    assert_eq!(relaxation.history, alone.history);
+    assert_eq!(relaxation.positions[..free], alone.positions[..]);
+    assert!(!relaxation.blocked.is_empty());
+    assert!(relaxation.blocked.iter().all(|path| path.reason == "all its vertices are pinned"));
+    // Where nothing else intersects, nothing is tried.
+    let all = (0..u32::try_from(sheet.positions.len()).unwrap()).collect();
+    assert!(relax_with(all).history.is_empty());
+    // One free body moves out of the pinned one.
+    assert!(relax_with(pins[49..].to_vec()).blocked.is_empty());
+}
+
+#[test]
+fn relax_that_moves_other_vertices_keeps_tiny_values_and_signs_of_zeros() {
+    let mut sheet = scenes().swap_remove(1).1;
+    let first = sheet.positions.len();
+    let corner = u32::try_from(first).unwrap();
+    sheet.positions.extend([[-0.0, 1e-80, 9.0], [1.0, -1e-300, 9.0], [-0.0, 1.0, 9.0]]);
+    sheet.faces.push([corner, corner + 1, corner + 2]);
+    let mesh = Mesh::new(sheet.bare_description()).unwrap();
+    let settings = RelaxSettings::default();
+    let relaxation = relax(&mesh, &sheet.positions, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(!relaxation.history.is_empty());
+    let bits = |positions: &[[f64; 3]]| positions[first..].iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&relaxation.positions), bits(&sheet.positions));
+}
+
+#[test]
+fn relax_until_stopped_at_once_gives_back_the_input_as_interrupted() {
+    let sheet = &scenes()[3].1;
+    let settings = RelaxSettings::default();
+    let mut no_progress = |_: &_| ControlFlow::Continue(());
+    let relaxation = relax_until(&sheet.mesh(), &sheet.positions, &settings, &mut no_progress, &|| true).unwrap();
+    assert!(relaxation.interrupted && relaxation.history.is_empty() && !relaxation.blocked.is_empty());
+    assert_eq!(relaxation.positions, sheet.positions);
+    // The end comes within an iteration: it is asked for long before the first one is over.
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) > 50;
+    let relaxation = relax_until(&sheet.mesh(), &sheet.positions, &settings, &mut no_progress, &stop).unwrap();
+    assert!(relaxation.interrupted && relaxation.history.is_empty());
 }

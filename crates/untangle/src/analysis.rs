@@ -41,9 +41,22 @@ impl Analyser {
         settings: &Settings,
         observer: &mut dyn StageObserver,
     ) -> &Analysis {
+        self.analyse_part(mesh, frame, settings, |_| (), observer)
+    }
+
+    /// As [`Analyser::analyse`], for what `select` leaves of the intersections: whole chains of segments.
+    pub(crate) fn analyse_part(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        settings: &Settings,
+        select: impl FnOnce(&mut Intersections),
+        observer: &mut dyn StageObserver,
+    ) -> &Analysis {
         let Analysis { intersections, paths, regions } = &mut self.analysis;
         observer.begin(Stage::Intersect);
         self.intersector.intersect(mesh, frame, intersections);
+        select(intersections);
         observer.begin(Stage::Paths);
         self.path_finder.find(mesh, frame, intersections, paths);
         observer.begin(Stage::Regions);

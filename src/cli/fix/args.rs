@@ -1,6 +1,6 @@
 //! The arguments of `untangled fix`.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use clap::ValueEnum;
 
@@ -38,6 +38,9 @@ pub struct FixArgs {
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
+    /// End the untangling so many seconds after the start, and write the best state found until then
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time_limit: Option<Duration>,
     /// Time against result
     #[arg(long, value_enum, default_value_t)]
     pub quality: QualityArg,
@@ -48,6 +51,11 @@ pub struct FixArgs {
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let value = text.parse().map_err(|_| "must be a number of seconds".to_owned())?;
+    Duration::try_from_secs_f64(value).map_err(|_| "must be a number of seconds, 0 or more".to_owned())
 }
 
 /// [`Effort`] as an argument.

@@ -27,7 +27,7 @@ use std::time::Instant;
 
 use untangle::{
     analysis::analyse,
-    relax::{RelaxSettings, relax},
+    relax::{RelaxSettings, relax_until},
 };
 use untangled_mesh_io::MeshFile;
 
@@ -49,7 +49,7 @@ use terminal::{Interrupt, Progress};
 /// [`FixError`]; one line, exit code 2.
 pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
     let mut interrupt = Interrupt::listen().map_err(FixError::Signals)?;
-    let report = fix(args, &mut relax, &mut interrupt)?;
+    let report = fix(args, &mut relax_until, &mut interrupt)?;
     let text = if args.json { report.to_json() } else { report.to_string() };
     outcome::print(&text).map_err(FixError::Print)?;
     Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
@@ -67,10 +67,11 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     progress.say("analysing");
     let before = Counts::new(&analyse(&input.mesh, &input.frame));
     interrupt.check()?;
-    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs) };
-    let Repaired { written, history, blocked } = if before.is_clean() {
+    let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
+    let repair = Repair { jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let Repaired { written, history, blocked, time_limit_reached } = if before.is_clean() {
         interrupt.wait_for_files();
-        Repaired { written: repair.write(&input.positions)?, history: Vec::new(), blocked: Vec::new() }
+        Repaired::unchanged(repair.write(&input.positions)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
@@ -82,6 +83,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_clean(),
+        time_limit_reached,
         num_iterations: history.len(),
         seconds: start.elapsed().as_secs_f64(),
         before,

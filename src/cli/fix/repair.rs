@@ -1,6 +1,6 @@
 //! The repair: relax, write, read back, check; and once more where rounding in the file brought intersections back.
 
-use std::{ops::ControlFlow, path::PathBuf};
+use std::{ops::ControlFlow, path::PathBuf, sync::atomic::Ordering, time::Instant};
 
 use untangle::{
     analysis::{Analysis, analyse},
@@ -21,12 +21,13 @@ use super::{
     terminal::{Interrupt, Progress},
 };
 
-/// The untangling: [`relax`](untangle::relax::relax), or a substitute in tests.
+/// The untangling: [`relax_until`](untangle::relax::relax_until), or a substitute in tests.
 pub(super) type Solver<'a> = &'a mut dyn FnMut(
     &Mesh,
     &[[f64; 3]],
     &RelaxSettings,
     &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    &(dyn Fn() -> bool + Sync),
 ) -> Result<Relaxation, RelaxError>;
 
 /// Most rounds, each of which relaxes the state that was read back from the files of the last one.
@@ -48,6 +49,15 @@ pub(super) struct Repaired {
     pub(super) written: Written,
     pub(super) history: Vec<Iteration>,
     pub(super) blocked: Vec<Blocked>,
+    /// Whether the untangling was ended by the time limit.
+    pub(super) time_limit_reached: bool,
+}
+
+impl Repaired {
+    /// Of an input that needs no repair.
+    pub(super) fn unchanged(written: Written) -> Self {
+        Self { written, history: Vec::new(), blocked: Vec::new(), time_limit_reached: false }
+    }
 }
 
 /// The parts of a repair that do not change between rounds.
@@ -56,6 +66,8 @@ pub(super) struct Repair<'a> {
     pub(super) jobs: &'a [Job<'a>],
     pub(super) pins: &'a [u32],
     pub(super) settings: RelaxSettings,
+    /// When the untangling is to end.
+    pub(super) deadline: Option<Instant>,
 }
 
 /// The result of one round.
@@ -65,6 +77,7 @@ struct Round {
     blocked: Vec<BlockedPath>,
     /// Whether the state was clean before it was written, and is no longer.
     lost_clean: bool,
+    interrupted: bool,
 }
 
 impl Repair<'_> {
@@ -103,11 +116,13 @@ impl Repair<'_> {
         let mut history: Vec<Iteration> = Vec::new();
         let mut best: Option<Round> = None;
         let mut next: Option<Input> = None;
+        let mut time_limit_reached = false;
         for _ in 0..MOST_ROUNDS {
             let start = next.as_ref().unwrap_or(input);
             let round = self.round(start, &mut history, &mut *solver, interrupt, progress)?;
             // The file rounds positions, or splits a polygon otherwise: the next round starts from what was read back.
-            let go_on = round.lost_clean && history.len() < self.settings.max_iterations;
+            time_limit_reached |= round.interrupted;
+            let go_on = round.lost_clean && !self.is_late() && history.len() < self.settings.max_iterations;
             next = go_on.then(|| round.written.input.clone());
             let hits = |round: &Round| round.written.counts.num_edge_face_intersections;
             if best.as_ref().is_none_or(|best| hits(&round) < hits(best)) {
@@ -129,7 +144,7 @@ impl Repair<'_> {
         } else if blocked.is_empty() {
             blocked = self.unresolved(&written, history.len());
         }
-        Ok(Repaired { written, history, blocked })
+        Ok(Repaired { written, history, blocked, time_limit_reached })
     }
 
     /// Relaxes a state once and writes it; appends its iterations to `history`.
@@ -143,11 +158,14 @@ impl Repair<'_> {
     ) -> Result<Round, FixError> {
         let max_iterations = self.settings.max_iterations - history.len();
         let settings = RelaxSettings { max_iterations, ..self.settings.clone() };
-        let relaxation = solver(mesh, positions, &settings, &mut |iteration| {
+        let asked = interrupt.flag();
+        let should_stop = || asked.load(Ordering::Relaxed) || self.is_late();
+        let mut after_iteration = |iteration: &Iteration| {
             progress.iteration(iteration);
-            if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })
-        .map_err(FixError::Relax)?;
+            if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let relaxation =
+            solver(mesh, positions, &settings, &mut after_iteration, &should_stop).map_err(FixError::Relax)?;
         interrupt.check()?;
         progress.say("checking what is written");
         // A solver that counts an iteration too many must not make the subtraction above overflow.
@@ -157,7 +175,12 @@ impl Repair<'_> {
         let written = self.write(&relaxation.positions)?;
         interrupt.check()?;
         let lost_clean = was_clean && !written.counts.is_clean();
-        Ok(Round { written, blocked: relaxation.blocked, lost_clean })
+        Ok(Round { written, blocked: relaxation.blocked, lost_clean, interrupted: relaxation.interrupted })
+    }
+
+    /// Whether the time limit has passed.
+    fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     /// All paths of a state for which the solver gave no reason.

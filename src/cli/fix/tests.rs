@@ -37,6 +37,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         json: false,
         report: None,
         max_iterations: 10,
+        time_limit: None,
         quality: QualityArg::Balanced,
         pin: None,
         overwrite: false,
@@ -67,7 +68,8 @@ fn fix_of_a_solved_state_writes_and_reports_it() {
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       settings: &RelaxSettings,
-                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
         let expected = RelaxSettings { effort: Effort::Accurate, max_iterations: 10, single_precision: false };
         assert_eq!(*settings, expected);
         assert!(progress(&STEP).is_continue());
@@ -98,7 +100,8 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       settings: &RelaxSettings,
-                      _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+                      _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
         assert!(settings.single_precision);
         rounds.push((positions[3][2], settings.max_iterations));
         // A third of the last place above the floor is clean, but a single can't hold it.
@@ -115,9 +118,11 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
     let (_folder, mut args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
     args.max_iterations = 2;
     let mut never =
-        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-            Ok(lift(positions, 1.0 + 0.33 * f64::from(f32::EPSILON)))
-        };
+        |_: &Mesh,
+         positions: &[[f64; 3]],
+         _: &RelaxSettings,
+         _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+         _: &(dyn Fn() -> bool + Sync)| { Ok(lift(positions, 1.0 + 0.33 * f64::from(f32::EPSILON))) };
     let report = fix(&args, &mut never, &mut Interrupt::default()).unwrap();
     assert!(!report.clean && report.num_iterations == 2);
     assert_eq!(report.blocked[0].reason, "not resolved within 2 iterations");
@@ -134,10 +139,13 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
         length_m: 0.5,
         reason: "pinned".into(),
     };
-    let mut blocked =
-        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-            Ok(Relaxation { blocked: vec![reason.clone()], ..lift(positions, 0.25) })
-        };
+    let mut blocked = |_: &Mesh,
+                       positions: &[[f64; 3]],
+                       _: &RelaxSettings,
+                       _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                       _: &(dyn Fn() -> bool + Sync)| {
+        Ok(Relaxation { blocked: vec![reason.clone()], ..lift(positions, 0.25) })
+    };
     let report = fix(&args, &mut blocked, &mut Interrupt::default()).unwrap();
     assert!(!report.clean && report.after == report.before);
     assert_eq!(report.blocked, [Blocked::from(reason.clone())]);
@@ -148,15 +156,18 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
     let (folder, mut args) = set_up(&third, &["floor.obj", "spike.obj", "far.obj"], "");
     args.out = folder.path().join("out");
     fs::create_dir(&args.out).unwrap();
-    let mut worse =
-        |_: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-            let mut positions = positions.to_vec();
-            // The third triangle goes through the second.
-            for position in &mut positions[6..] {
-                position[2] = 2.0;
-            }
-            Ok(result(positions))
-        };
+    let mut worse = |_: &Mesh,
+                     positions: &[[f64; 3]],
+                     _: &RelaxSettings,
+                     _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                     _: &(dyn Fn() -> bool + Sync)| {
+        let mut positions = positions.to_vec();
+        // The third triangle goes through the second.
+        for position in &mut positions[6..] {
+            position[2] = 2.0;
+        }
+        Ok(result(positions))
+    };
     let report = fix(&args, &mut worse, &mut Interrupt::default()).unwrap();
     assert_eq!((report.after, report.distortion.max_displacement_m), (report.before, 0.0));
     assert_eq!(report.blocked[0].reason, "not resolved");
@@ -173,7 +184,8 @@ fn fix_when_interrupted_writes_nothing() {
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
                       _: &RelaxSettings,
-                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
+                      progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
         assert!(progress(&STEP).is_continue());
         flag.store(true, std::sync::atomic::Ordering::Relaxed);
         assert!(progress(&STEP).is_break());
@@ -189,12 +201,15 @@ fn fix_of_fixed_vertices_requires_them_to_be_pinned() {
     let text = PLY.replace("float", "int").replace("1.00000011920928955", "1").replace("0.5", "0").replace("1.5", "2");
     let (folder, mut args) = set_up(&[("in.ply", &text), ("pins.txt", "0 1 2\n3 4 5")], &["in.ply"], "out.ply");
     let mut calls = 0;
-    let mut solver =
-        |mesh: &Mesh, positions: &[[f64; 3]], _: &RelaxSettings, _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>| {
-            calls += 1;
-            assert!(mesh.vertex_ids().all(|vertex| mesh.is_pinned(vertex)));
-            Ok(result(positions.to_vec()))
-        };
+    let mut solver = |mesh: &Mesh,
+                      positions: &[[f64; 3]],
+                      _: &RelaxSettings,
+                      _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+                      _: &(dyn Fn() -> bool + Sync)| {
+        calls += 1;
+        assert!(mesh.vertex_ids().all(|vertex| mesh.is_pinned(vertex)));
+        Ok(result(positions.to_vec()))
+    };
     let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
     let expected = "out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; \
                     write .obj or .ply, or pin these vertices";

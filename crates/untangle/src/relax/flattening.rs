@@ -25,6 +25,10 @@ const MIN_BENDING: f64 = 1e-3;
 const MAX_STEPS: usize = 120;
 /// Shape recovery goes on while it removes at least this part of the mean square strain.
 const MIN_PROGRESS: f64 = 0.03;
+/// The flow is given up where so many iterations in a row leave more than this part of the intersections there were at
+/// least.
+const MAX_STALLED: usize = 2;
+const STALLED: f64 = 0.97;
 /// How often the flow goes on to a flatter state where shape recovery ends crushed or overstretched.
 const MAX_ATTEMPTS: usize = 3;
 /// A state is accepted with at most one crushed or overstretched vertex for this many vertices of the domain.
@@ -87,13 +91,15 @@ struct Flow<'a, 'm> {
     /// The flattest state so far: one position for each vertex of the mesh.
     flat: Vec<Point3<f64>>,
     found: Intersections,
+    /// Whether that state intersects nothing that a motion can change.
+    is_clean: bool,
 }
 
 impl<'a, 'm> Flow<'a, 'm> {
     fn new(relaxer: &'a mut Relaxer<'m>, domain: &'a Domain) -> Self {
         let flat = relaxer.frame.positions().to_vec();
         let energy = FlatteningEnergy::of(relaxer.mesh, domain, &flat);
-        Self { relaxer, domain, energy, bending: FIRST_BENDING, flat, found: Intersections::default() }
+        Self { relaxer, domain, energy, bending: FIRST_BENDING, flat, found: Intersections::default(), is_clean: false }
     }
 
     /// Goes on to a flatter state, and recovers from there. Offers all clean states to `least`; gives back how it
@@ -101,7 +107,7 @@ impl<'a, 'm> Flow<'a, 'm> {
     fn attempt(&mut self, least: &mut LeastViolated, progress: &mut Progress<'_>) -> Result<(End, usize), RelaxError> {
         let mut end = self.flatten(progress)?;
         let num_violated = self.num_violated(&self.flat);
-        if matches!(end, End::Clean | End::Interrupted) && self.found.edge_face.is_empty() {
+        if matches!(end, End::Clean | End::Interrupted) && self.is_clean {
             least.offer(&self.flat, num_violated);
         }
         if end != End::Clean {
@@ -121,6 +127,7 @@ impl<'a, 'm> Flow<'a, 'm> {
     fn flatten(&mut self, progress: &mut Progress<'_>) -> Result<End, RelaxError> {
         // Paths and regions are not needed here, and of a large tangle they take longer than all the rest.
         let mut intersector = Intersector::default();
+        let (mut least, mut stalled) = (f64::INFINITY, 0);
         loop {
             if self.relaxer.is_exhausted() {
                 return Ok(End::Exhausted);
@@ -129,17 +136,29 @@ impl<'a, 'm> Flow<'a, 'm> {
             let system = if is_last { None } else { self.energy.factorise(self.bending, &self.flat, &[]) };
             let Some(system) = system else { return Ok(End::Stuck) };
             self.bending *= BENDING_STEP;
-            minimise(&self.energy, self.domain, &system, self.relaxer.settings.single_precision, &mut self.flat);
+            self.is_clean = false;
+            minimise(&self.energy, self.domain, &system, self.relaxer, &mut self.flat);
+            if (self.relaxer.should_stop)() {
+                return Ok(End::Interrupted);
+            }
             let Relaxer { mesh, frame, first_islands, now, .. } = &mut *self.relaxer;
             frame.set(mesh, self.flat.iter().map(|point| (*point).into()))?;
             intersector.intersect(mesh, frame, &mut self.found);
             measure(mesh, frame, &self.found, first_islands, now);
             let Tangle { num_edge_face, length_m, .. } = total(now);
+            self.is_clean = num_edge_face == 0;
             if self.relaxer.note(Method::Flatten, num_edge_face, length_m, progress).is_break() {
                 return Ok(End::Interrupted);
             }
-            if num_edge_face == 0 {
+            if self.is_clean {
                 return Ok(End::Clean);
+            }
+            #[expect(clippy::cast_precision_loss, reason = "a count")]
+            let left = num_edge_face as f64;
+            stalled = if left > STALLED * least { stalled + 1 } else { 0 };
+            least = least.min(left);
+            if stalled >= MAX_STALLED {
+                return Ok(End::Stuck);
             }
         }
     }
@@ -152,7 +171,7 @@ impl<'a, 'm> Flow<'a, 'm> {
         progress: &mut Progress<'_>,
     ) -> End {
         let single_precision = self.relaxer.settings.single_precision;
-        let mut step = CollisionFreeStep::new(self.relaxer.mesh, self.domain);
+        let mut step = CollisionFreeStep::new(self.relaxer.mesh, self.domain, self.relaxer.should_stop);
         let mut bending = self.bending / BENDING_STEP;
         let mut strain = f64::INFINITY;
         loop {
@@ -168,7 +187,10 @@ impl<'a, 'm> Flow<'a, 'm> {
             bending = (bending * RECOVERY_STEP).max(MIN_BENDING);
             let Some(system) = self.energy.factorise(bending, positions, step.holds()) else { return End::Clean };
             let mut target = positions.to_vec();
-            minimise(&self.energy, self.domain, &system, single_precision, &mut target);
+            minimise(&self.energy, self.domain, &system, self.relaxer, &mut target);
+            if (self.relaxer.should_stop)() {
+                return End::Interrupted;
+            }
             if step.advance(positions, &target, single_precision) {
                 least.offer(positions, self.num_violated(positions));
                 if self.relaxer.note(Method::Flatten, 0, 0.0, progress).is_break() {
@@ -184,12 +206,12 @@ fn minimise(
     energy: &FlatteningEnergy<'_>,
     domain: &Domain,
     system: &FlatteningSystem,
-    single_precision: bool,
+    relaxer: &Relaxer<'_>,
     positions: &mut [Point3<f64>],
 ) {
-    energy.minimise(system, MAX_STEPS, positions);
+    energy.minimise(system, MAX_STEPS, positions, relaxer.should_stop);
     for vertex in domain.vertices() {
-        positions[vertex.index()] = stored(positions[vertex.index()], single_precision);
+        positions[vertex.index()] = stored(positions[vertex.index()], relaxer.settings.single_precision);
     }
 }
 

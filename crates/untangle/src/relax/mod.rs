@@ -35,12 +35,14 @@ use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
 
+pub use constraints::STRETCH_LIMIT;
 pub use coupled::CoupledStep;
 pub use outcome::{BlockedPath, Iteration, Method, RelaxError, Relaxation};
 pub use settings::{Effort, RelaxSettings};
 
 /// Moves vertices until nothing intersects, or nothing helps any more. `positions` are in metres, `num_vertices x 3`.
-/// `progress` is called after each iteration and may end the work; the best state so far is returned then.
+/// `progress` is called after each iteration and may end the work; the best state so far is returned then. See
+/// [`relax_until`] for an end within an iteration.
 ///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
 /// over the vertices near the intersections.
@@ -53,5 +55,21 @@ pub fn relax(
     settings: &RelaxSettings,
     progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Relaxation, RelaxError> {
-    solver::run(mesh, positions, settings, progress)
+    relax_until(mesh, positions, settings, progress, &|| false)
+}
+
+/// As [`relax`], and also ends when `should_stop` says so, which must go on saying so from then on. It is asked from
+/// several threads at once, before each search for intersections and in each step of a solution; one search, one
+/// factorisation and the analysis of one path are not interrupted. The best state so far is returned then.
+///
+/// # Errors
+/// [`RelaxError`] for positions that no frame accepts.
+pub fn relax_until(
+    mesh: &Mesh,
+    positions: &[[f64; 3]],
+    settings: &RelaxSettings,
+    progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    should_stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Relaxation, RelaxError> {
+    solver::run(mesh, positions, settings, progress, should_stop)
 }

@@ -4,7 +4,12 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{analysis::Analysis, frame::FrameError, mesh::Mesh, paths::PairType};
+use super::step::are_faces_pinned;
+use crate::{
+    frame::FrameError,
+    mesh::Mesh,
+    paths::{IntersectionPaths, PairType, PathSegment},
+};
 
 /// What moved the cloth in an iteration. Where islands of paths took different trials, the one that helped most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,9 +32,10 @@ pub enum Method {
 /// The state after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Iteration {
-    /// Edge-face intersections that are left.
+    /// Edge-face intersections that are left; those of which all vertices are pinned, and which nothing can change, are
+    /// not counted.
     pub num_edge_face_intersections: usize,
-    /// World length of all paths, in metres.
+    /// World length of all paths in metres, without those among pinned vertices.
     pub path_length_m: f64,
     /// What led here.
     pub method: Method,
@@ -57,7 +63,7 @@ pub struct Relaxation {
     pub history: Vec<Iteration>,
     /// Paths left in `positions`; empty if none are.
     pub blocked: Vec<BlockedPath>,
-    /// Whether `progress` ended it.
+    /// Whether the caller ended it, by `progress` or `should_stop`.
     pub interrupted: bool,
 }
 
@@ -78,7 +84,7 @@ pub(super) enum End {
     Stuck,
     /// The largest number of iterations was reached.
     Exhausted,
-    /// The caller's `progress` asked for it.
+    /// The caller asked for it.
     Interrupted,
 }
 
@@ -88,27 +94,45 @@ pub(super) struct BestState {
     pub(super) positions: Vec<Point3<f64>>,
 }
 
-/// The paths of the best state that was found, where the last plan ended so.
-pub(super) fn blocked_paths(mesh: &Mesh, analysis: &Analysis, end: End) -> Vec<BlockedPath> {
+/// The paths of the best state that was found, where the last plan ended so. `crowded` says that there were too many of
+/// them for plans of trials.
+pub(super) fn blocked_paths(mesh: &Mesh, paths: &IntersectionPaths, end: End, crowded: bool) -> Vec<BlockedPath> {
     let closed = mesh.closed_pieces();
-    let pairs = analysis.paths.pairs.iter();
+    let pairs = paths.pairs.iter();
     pairs
         .map(|pair| {
-            let first = &analysis.paths.copies[pair.copies.start];
-            let segment = &analysis.paths.segments[first.segments.start];
+            let first = &paths.copies[pair.copies.start];
+            let segments = &paths.segments[first.segments.clone()];
+            let segment = &segments[0];
             let is_closed = |face| mesh.piece(face).is_some_and(|piece| closed[piece.index()]);
-            let reason = reason(end, is_closed(segment.own) || is_closed(segment.partner));
+            let is_pinned = |segment: &PathSegment| are_faces_pinned(mesh, [segment.own, segment.partner]);
+            let reason = if segments.iter().all(is_pinned) {
+                ALL_PINNED
+            } else if segments.iter().any(is_pinned) {
+                PARTLY_PINNED
+            } else if crowded && end == End::Stuck {
+                CROWDED
+            } else {
+                reason(end, is_closed(segment.own) || is_closed(segment.partner))
+            };
             let vertex = mesh.face(segment.own)[0].0;
             BlockedPath { pair_type: pair.pair_type, vertex, length_m: pair.length_m, reason: reason.into() }
         })
         .collect()
 }
 
+/// Why paths are blocked that no motion can take away.
+const ALL_PINNED: &str = "all its vertices are pinned";
+/// Why a tangle is given up after the quick plans.
+const CROWDED: &str = "too many paths meet here for motions of single ones to help: a crumple, or surfaces that nearly \
+                      coincide, of which nothing says which lies outside";
+const PARTLY_PINNED: &str = "all vertices of a part of it are pinned";
+
 fn reason(end: End, meets_closed: bool) -> &'static str {
     match (end, meets_closed) {
-        (End::Clean, _) => "",
+        (End::Clean, _) => PARTLY_PINNED,
         (End::Exhausted, _) => "the largest number of iterations was reached",
-        (End::Interrupted, _) => "the work was interrupted",
+        (End::Interrupted, _) => "the work was ended before it was resolved",
         (End::Stuck, false) => "no motion left it shorter without crushing or overstretching the cloth",
         (End::Stuck, true) => {
             "no motion left it shorter without crushing or overstretching the cloth, \

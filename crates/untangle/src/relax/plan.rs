@@ -11,37 +11,69 @@ pub(super) const MAX_STRETCH: f64 = 1.08;
 pub(super) enum Plan {
     /// Trial displacements with an objective that is tried first, and a choice of the side of a path that is its
     /// inside.
-    Resolve { objective: Objective, inside: InsideChoice },
+    Resolve { objective: Objective, inside: InsideChoice, pace: Pace },
     /// The flattening flow, and shape recovery after it.
     Flatten,
 }
 
-/// Islands with more edge-face intersections than this are flattened first: a displacement with so many constraints
-/// takes minutes, and they contradict each other anyway.
-const MAX_FOR_TRIALS: usize = 2500;
+/// How much time a plan of trials gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pace {
+    /// Trials of the caller's effort, given up where progress stalls.
+    Usual,
+    /// The fewest trials, given up where one iteration does not take away a good part of the tangle.
+    Quick,
+}
 
-/// Whether an island of so many edge-face intersections is flattened first.
+/// With more edge-face intersections than this a displacement takes long.
+const MAX_FOR_TRIALS: usize = 2500;
+/// The constraints of more paths than this, in one island, contradict each other. The number of paths does not depend on
+/// how fine a mesh is, that of edge-face intersections does.
+const MAX_PATHS: usize = 60;
+
+/// Whether trials of so many edge-face intersections take long.
 pub(super) fn is_beyond_trials(num_edge_face: usize) -> bool {
     num_edge_face > MAX_FOR_TRIALS
+}
+
+/// The island with most edge-face intersections.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Largest {
+    pub(super) num_edge_face: usize,
+    /// Path pairs in it.
+    pub(super) num_pairs: usize,
+    /// The part of all edge-face intersections that a piece with a boundary has with itself: flattening resolves these.
+    pub(super) flattenable: f64,
+}
+
+impl Largest {
+    /// Whether it is so large, of so many paths, that trials hardly help: a crumple, or surfaces that nearly coincide.
+    pub(super) fn is_crowded(self) -> bool {
+        is_beyond_trials(self.num_edge_face) && self.num_pairs > MAX_PATHS
+    }
 }
 
 /// Iterations of tangles larger than this take seconds, and where trials can resolve them they help from the first
 /// iteration on.
 const LARGE: usize = 500;
 
-/// The plans in order. `largest` is the number of edge-face intersections of the island that has most.
-pub(super) fn plans(largest: usize) -> [Plan; 5] {
-    let resolve = |objective, inside| Plan::Resolve { objective, inside };
+/// Where more than this part of a crowded tangle can be flattened, that comes first.
+const MOST: f64 = 0.5;
+
+/// The plans in order: local displacements first, but for crumples, where flattening is quicker and they fail. Flattening
+/// of pieces that only meet other pieces is tried last, and not at all where it takes long.
+pub(super) fn plans(largest: Largest) -> Vec<Plan> {
+    let resolve = |objective, inside| Plan::Resolve { objective, inside, pace: Pace::Usual };
     let normal = resolve(Objective::Normal, InsideChoice::Work);
     let target = resolve(Objective::Target, InsideChoice::Work);
-    let [a, b, c] = if is_beyond_trials(largest) {
-        [Plan::Flatten, normal, target]
-    } else if largest > LARGE {
-        [normal, Plan::Flatten, target]
-    } else {
-        [normal, target, Plan::Flatten]
-    };
-    [a, b, c, resolve(Objective::Normal, InsideChoice::Count), resolve(Objective::Target, InsideChoice::Count)]
+    let others = [Objective::Normal, Objective::Target].map(|objective| resolve(objective, InsideChoice::Count));
+    if largest.is_crowded() {
+        let quick = Plan::Resolve { objective: Objective::Normal, inside: InsideChoice::Count, pace: Pace::Quick };
+        return if largest.flattenable > MOST { vec![Plan::Flatten, quick] } else { vec![quick, Plan::Flatten] };
+    }
+    let first =
+        if largest.num_edge_face <= LARGE { [normal, target, Plan::Flatten] } else { [normal, Plan::Flatten, target] };
+    [first.as_slice(), others.as_slice()].concat()
 }
 
 /// When a plan is given up: this many iterations have removed too small a part of the tangle before them.
@@ -54,8 +86,10 @@ pub(super) struct StallCriterion {
 
 impl StallCriterion {
     /// About the same pace for all tangles, but over fewer iterations where one takes long.
-    pub(super) fn with(largest: usize) -> Self {
-        if largest > LARGE {
+    pub(super) fn with(largest: usize, pace: Pace) -> Self {
+        if pace == Pace::Quick {
+            Self { num_iterations: 1, max_ratio: 0.6 }
+        } else if largest > LARGE {
             Self { num_iterations: 2, max_ratio: 0.9 }
         } else {
             Self { num_iterations: 5, max_ratio: 0.75 }
@@ -114,16 +148,26 @@ mod tests {
 
     #[test]
     fn plans_of_larger_islands_flatten_earlier() {
-        let place = |largest| plans(largest).iter().position(|plan| matches!(plan, Plan::Flatten));
-        assert_eq!([10, LARGE + 1, MAX_FOR_TRIALS + 1].map(place), [Some(2), Some(1), Some(0)]);
+        let place = |num_edge_face, num_pairs, flattenable| {
+            let largest = Largest { num_edge_face, num_pairs, flattenable };
+            plans(largest).iter().position(|plan| matches!(plan, Plan::Flatten))
+        };
+        assert_eq!(place(10, 2, 1.0), Some(2));
+        assert_eq!(place(LARGE + 1, 2, 1.0), Some(1));
+        // Many intersections of few paths are those of a fine mesh.
+        assert_eq!(place(MAX_FOR_TRIALS + 1, MAX_PATHS, 1.0), Some(1));
+        assert_eq!(place(MAX_FOR_TRIALS + 1, MAX_PATHS + 1, 1.0), Some(0));
+        assert_eq!(place(MAX_FOR_TRIALS + 1, MAX_PATHS + 1, 0.1), Some(1));
     }
 
     #[test]
     fn stall_criterion_with_slow_progress_is_met_after_its_window() {
-        let stall = StallCriterion::with(10);
+        let stall = StallCriterion::with(10, Pace::Usual);
         let slow = [8.0, 7.9, 7.8, 7.7, 7.6, 7.5, 7.4];
         assert!(!stall.is_met(&slow[..6]) && stall.is_met(&slow));
         let fast = [8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0];
         assert!(!stall.is_met(&fast));
+        let quick = StallCriterion::with(10, Pace::Quick);
+        assert!(!quick.is_met(&fast[..2]) && quick.is_met(&fast[..3]));
     }
 }

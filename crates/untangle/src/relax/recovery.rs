@@ -1,12 +1,15 @@
-//! Shape recovery: steps towards the rest shape, once nothing intersects any more.
+//! Shape recovery: steps towards the rest shape of what intersects nothing any more.
+
+use nalgebra::Point3;
 
 use super::{
     constraints::Objective,
     outcome::{Method, RelaxError},
     plan::MAX_STRETCH,
     relaxer::{Progress, Relaxer},
-    step::{Tangle, TrialSettings, island_strains, least_strained},
+    step::{CollisionFreeStep, TrialSettings, island_strains, least_strained, measure, num_movable, total},
 };
+use crate::mesh::VertexId;
 
 /// The most steps.
 const MAX_STEPS: usize = 4;
@@ -19,16 +22,16 @@ const SMALL_STRAIN: f64 = 0.05;
 /// Stiffnesses of the trials.
 const STIFFNESSES: [f64; 2] = [16.0, 256.0];
 
-/// Recovers some of the input's shape from a clean state, with all separation constraints held. True if `progress`
-/// ended it.
+/// Recovers some of the input's shape where the present state is clean, with all separation constraints held. Islands
+/// that are still tangled stay as they are. True if `progress` ended it.
 pub(super) fn recover_shape(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
     relaxer.islands.clone_from(&relaxer.first_islands);
-    relaxer.now.clear();
-    relaxer.now.resize(relaxer.islands.len() + 1, Tangle::default());
+    let Relaxer { mesh, frame, analyser, islands, now, .. } = relaxer;
+    measure(mesh, frame, &analyser.last().intersections, islands, now);
     relaxer.passing.reset(relaxer.mesh.num_vertices());
     for _ in 0..MAX_STEPS {
         if !step(relaxer)? {
-            break;
+            return Ok((relaxer.should_stop)());
         }
         if relaxer.report(Method::RecoverShape, progress).is_break() {
             return Ok(true);
@@ -60,16 +63,35 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
         trial.constraints.limit_to_gap(&relaxer.frame, gap_m);
     }
     relaxer.run_trials(&settings, 1.0);
+    if (relaxer.should_stop)() {
+        return Ok(false);
+    }
     let trials = &relaxer.trials[..settings.len()];
-    let choice: Vec<Option<usize>> =
-        (0..strains.len()).map(|island| least_strained(trials, &strains, island)).collect();
+    let (choice, positions) = relaxer.choose(|group| least_strained(trials, &strains, group));
+    if choice.iter().all(Option::is_none) {
+        return Ok(false);
+    }
     let before = relaxer.frame.positions().to_vec();
-    let positions = relaxer.positions_of(&choice);
+    let tangled = total(&relaxer.now).num_edge_face;
     relaxer.set_frame(&positions)?;
-    if relaxer.analyser.last().intersections.edge_face.is_empty() {
-        return Ok(choice.iter().any(Option::is_some));
+    if num_movable(relaxer.mesh, &relaxer.analyser.last().intersections) <= tangled {
+        return Ok(true);
     }
     // Islands that moved differently met at their borders.
     relaxer.set_frame(&before)?;
-    Ok(false)
+    step_back(relaxer, &positions)
+}
+
+/// Goes towards `target` as far as nothing intersects on the way. False if nothing moves, or edges get overstretched.
+fn step_back(relaxer: &mut Relaxer<'_>, target: &[Point3<f64>]) -> Result<bool, RelaxError> {
+    let Relaxer { mesh, settings, frame, domain, limits, should_stop, .. } = &*relaxer;
+    let mut positions = frame.positions().to_vec();
+    let moves =
+        CollisionFreeStep::new(mesh, domain, *should_stop).advance(&mut positions, target, settings.single_precision);
+    let is_torn = |&vertex: &VertexId| limits.is_violated(mesh, frame.positions(), &positions, vertex);
+    if !moves || domain.vertices().iter().any(is_torn) {
+        return Ok(false);
+    }
+    relaxer.set_frame(&positions)?;
+    Ok(true)
 }

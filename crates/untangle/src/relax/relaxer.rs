@@ -9,25 +9,42 @@ use super::{
     constraints::{Constraints, Orientation, StrainLimits},
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
-    settings::RelaxSettings,
-    step::{Islands, Tangle, Trial, TrialContext, TrialSettings, measure},
+    settings::{RelaxSettings, ShouldStop},
+    step::{
+        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, measure, num_movable, remove_pinned_chains,
+    },
 };
 use crate::{
     analysis::Analyser,
     correspond::Correspondent,
     frame::Frame,
+    intersect::{Intersections, Intersector},
     mesh::{Mesh, VertexId},
+    paths::{IntersectionPaths, PathFinder},
     settings::{InsideChoice, Settings},
     sparse_map::SparseMap,
+    stage::{Stage, StageObserver},
 };
 
 /// The caller's function that is told of each iteration, and may end the work.
 pub(super) type Progress<'p> = dyn FnMut(&Iteration) -> ControlFlow<()> + 'p;
 
+/// Ends an analysis that is to stop: what it leaves out is not used.
+pub(super) struct StopObserver<'s>(pub(super) &'s ShouldStop<'s>);
+
+impl StageObserver for StopObserver<'_> {
+    fn begin(&mut self, _: Stage) {}
+    fn end(&mut self) {}
+    fn is_spent(&mut self) -> bool {
+        (self.0)()
+    }
+}
+
 /// One relaxation under way.
 pub(super) struct Relaxer<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) settings: &'a RelaxSettings,
+    pub(super) should_stop: &'a ShouldStop<'a>,
     pub(super) analysis_settings: Settings,
     pub(super) frame: Frame,
     pub(super) rest: RestShape,
@@ -48,16 +65,24 @@ pub(super) struct Relaxer<'a> {
     pub(super) separated: Constraints,
     /// The islands of the input, which say what moves together during shape recovery.
     pub(super) first_islands: Islands,
+    /// Whether there are chains among pinned vertices.
+    pub(super) has_pinned_chains: bool,
     pub(super) edge_length_m: f64,
     pub(super) history: Vec<Iteration>,
 }
 
 impl<'a> Relaxer<'a> {
-    pub(super) fn new(mesh: &'a Mesh, positions: &[[f64; 3]], settings: &'a RelaxSettings) -> Result<Self, RelaxError> {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        positions: &[[f64; 3]],
+        settings: &'a RelaxSettings,
+        should_stop: &'a ShouldStop<'a>,
+    ) -> Result<Self, RelaxError> {
         let frame = Frame::new(mesh, positions)?;
         Ok(Self {
             mesh,
             settings,
+            should_stop,
             analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
             rest: RestShape::of(mesh, &frame),
             limits: StrainLimits::of(mesh, &frame),
@@ -72,6 +97,7 @@ impl<'a> Relaxer<'a> {
             passing: SparseMap::default(),
             separated: Constraints::default(),
             first_islands: Islands::default(),
+            has_pinned_chains: false,
             edge_length_m: 0.0,
             history: Vec::new(),
         })
@@ -87,8 +113,22 @@ impl<'a> Relaxer<'a> {
         Ok(())
     }
 
+    /// Analyses the present state, without the chains among pinned vertices.
     pub(super) fn analyse(&mut self) {
-        self.analyser.analyse(self.mesh, &self.frame, &self.analysis_settings, &mut ());
+        let Self { mesh, frame, analysis_settings, has_pinned_chains, .. } = self;
+        let select = |found: &mut Intersections| *has_pinned_chains = remove_pinned_chains(mesh, found);
+        self.analyser.analyse_part(mesh, frame, analysis_settings, select, &mut StopObserver(self.should_stop));
+    }
+
+    /// The paths of the present state, those among pinned vertices included.
+    pub(super) fn final_paths(&self) -> IntersectionPaths {
+        if !self.has_pinned_chains {
+            return self.analyser.last().paths.clone();
+        }
+        let (mut found, mut paths) = (Intersections::default(), IntersectionPaths::default());
+        Intersector::default().intersect(self.mesh, &self.frame, &mut found);
+        PathFinder::default().find(self.mesh, &self.frame, &found, &mut paths);
+        paths
     }
 
     /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.
@@ -122,12 +162,39 @@ impl<'a> Relaxer<'a> {
             now: &self.now,
             edge_length_m: self.edge_length_m,
             single_precision: self.settings.single_precision,
+            should_stop: self.should_stop,
         };
         self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
     }
 
+    /// Whether nothing intersects that a motion can change.
+    pub(super) fn is_clean(&self) -> bool {
+        num_movable(self.mesh, &self.analyser.last().intersections) == 0
+    }
+
+    /// Chooses a trial for each group of islands, and joins groups that would tear the cloth between them. Gives back
+    /// the choice for each island, and where it leads.
+    pub(super) fn choose(&self, choose: impl Fn(&[usize]) -> Option<usize>) -> (Vec<Option<usize>>, Vec<Point3<f64>>) {
+        let Self { mesh, domain, islands, limits, frame, .. } = self;
+        let seams = Seams { mesh, domain, islands, limits, before: frame.positions() };
+        let mut groups = Groups::of_single_islands(islands.len() + 1);
+        let mut choice = vec![None; islands.len() + 1];
+        loop {
+            for group in groups.members() {
+                let chosen = choose(&group);
+                for island in group {
+                    choice[island] = chosen;
+                }
+            }
+            let positions = self.positions_of(&choice);
+            if !groups.join_torn(&seams, &positions) {
+                return (choice, positions);
+            }
+        }
+    }
+
     /// The present positions, with each island moved by the trial that was chosen for it.
-    pub(super) fn positions_of(&self, choice: &[Option<usize>]) -> Vec<Point3<f64>> {
+    fn positions_of(&self, choice: &[Option<usize>]) -> Vec<Point3<f64>> {
         let mut positions = self.frame.positions().to_vec();
         for &vertex in self.domain.vertices() {
             if let Some(index) = choice[self.islands.of(vertex)] {
@@ -140,7 +207,7 @@ impl<'a> Relaxer<'a> {
     /// Notes the analysed state after an iteration.
     pub(super) fn report(&mut self, method: Method, progress: &mut Progress<'_>) -> ControlFlow<()> {
         let analysis = self.analyser.last();
-        let num_edge_face = analysis.intersections.edge_face.len();
+        let num_edge_face = num_movable(self.mesh, &analysis.intersections);
         let length_m = analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
         self.note(method, num_edge_face, length_m, progress)
     }

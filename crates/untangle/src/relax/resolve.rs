@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use super::{
     constraints::{ConstraintSource, Objective, collect},
     outcome::{BestState, End, Method, RelaxError},
-    plan::{StallCriterion, trials},
-    relaxer::{Progress, Relaxer},
+    plan::{Pace, StallCriterion, trials},
+    relaxer::{Progress, Relaxer, StopObserver},
+    settings::Effort,
     step::{TrialSettings, least_tangled, total},
 };
 use crate::{
@@ -26,6 +27,7 @@ const REST_WEIGHT: f64 = 0.3;
 pub(super) fn resolve(
     relaxer: &mut Relaxer<'_>,
     objective: Objective,
+    pace: Pace,
     stall: StallCriterion,
     best: &mut BestState,
     progress: &mut Progress<'_>,
@@ -33,13 +35,14 @@ pub(super) fn resolve(
     // The least merits up to each iteration.
     let mut merits: Vec<f64> = Vec::new();
     let mut widen = false;
+    let effort = if pace == Pace::Quick { Effort::Fast } else { relaxer.settings.effort };
     for iteration in 0.. {
         relaxer.measure_islands(2 * DOMAIN_RINGS);
         let merit = total(&relaxer.now).merit();
         if merit < best.merit {
             *best = BestState { merit, positions: relaxer.frame.positions().to_vec() };
         }
-        if relaxer.analyser.last().intersections.edge_face.is_empty() {
+        if relaxer.is_clean() {
             return Ok(End::Clean);
         }
         let before = merits.last().copied().unwrap_or(f64::INFINITY);
@@ -51,9 +54,11 @@ pub(super) fn resolve(
             break;
         }
         let worse = merit >= before;
-        let settings = trials(objective, relaxer.settings.effort, widen || worse);
+        let settings = trials(objective, effort, widen || worse);
         let rest_weight = if iteration == 0 { 0.0 } else { REST_WEIGHT };
-        let (method, stuck) = iterate(relaxer, &settings, rest_weight, worse)?;
+        let Some((method, stuck)) = iterate(relaxer, &settings, rest_weight, worse)? else {
+            return Ok(End::Interrupted);
+        };
         widen = stuck;
         if relaxer.report(method, progress).is_break() {
             return Ok(End::Interrupted);
@@ -63,26 +68,30 @@ pub(super) fn resolve(
 }
 
 /// Runs the trials of one iteration and takes the best of them, island by island. Returns the method that helped most,
-/// and whether some island did not move.
+/// and whether some island did not move; nothing where the work is to stop.
 fn iterate(
     relaxer: &mut Relaxer<'_>,
     settings: &[TrialSettings],
     rest_weight: f64,
     must_change: bool,
-) -> Result<(Method, bool), RelaxError> {
+) -> Result<Option<(Method, bool)>, RelaxError> {
     prepare(relaxer, settings);
-    relaxer.run_trials(settings, rest_weight);
+    if !(relaxer.should_stop)() {
+        relaxer.run_trials(settings, rest_weight);
+    }
+    // What was cut short is not taken.
+    if (relaxer.should_stop)() {
+        return Ok(None);
+    }
     let (trials, now) = (&relaxer.trials[..settings.len()], &relaxer.now);
-    let choice: Vec<Option<usize>> =
-        (0..now.len()).map(|island| least_tangled(trials, now, island, must_change)).collect();
+    let (choice, positions) = relaxer.choose(|group| least_tangled(trials, now, group, must_change));
     let stuck = choice.iter().zip(now).any(|(choice, now)| choice.is_none() && !now.is_none());
     let method = method_of(relaxer, settings, &choice);
-    let positions = relaxer.positions_of(&choice);
     relaxer.set_frame(&positions)?;
     for index in choice.iter().flatten().copied().collect::<BTreeSet<_>>() {
         relaxer.separated.hold(&relaxer.trials[index].constraints, &relaxer.frame);
     }
-    Ok((method, stuck))
+    Ok(Some((method, stuck)))
 }
 
 /// Collects the constraints of all trials, and the domain that they move.
@@ -90,7 +99,8 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     relaxer.resize_trials(settings.len());
     let Relaxer { mesh, frame, analyser, analysis_settings, .. } = relaxer;
     let analysis = analyser.last();
-    let found = relaxer.correspondent.find(mesh, frame, analysis, analysis_settings, &mut ());
+    let found =
+        relaxer.correspondent.find(mesh, frame, analysis, analysis_settings, &mut StopObserver(relaxer.should_stop));
     let source = ConstraintSource { mesh, frame, analysis, found, orientation: &relaxer.orientation };
     let trials = &mut relaxer.trials[..settings.len()];
     for (trial, settings) in trials.iter_mut().zip(settings) {

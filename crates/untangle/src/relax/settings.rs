@@ -15,6 +15,9 @@ pub enum Effort {
     Accurate,
 }
 
+/// The caller's function that says whether the work is to end.
+pub(super) type ShouldStop<'s> = dyn Fn() -> bool + Sync + 's;
+
 /// What a caller chooses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelaxSettings {

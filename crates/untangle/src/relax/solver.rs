@@ -1,19 +1,23 @@
 //! The whole relaxation: one plan after the other until one ends clean, then shape recovery.
 
+use nalgebra::Point3;
+
 use super::{
     constraints::Objective,
     escape::{descend, settle},
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
-    plan::{Plan, StallCriterion, is_beyond_trials, plans},
+    plan::{Largest, Pace, Plan, StallCriterion, is_beyond_trials, plans},
     recovery::recover_shape,
     relaxer::{Progress, Relaxer},
     resolve::resolve,
-    settings::RelaxSettings,
+    settings::{RelaxSettings, ShouldStop},
 };
 use crate::{
-    intersect::{Intersections, Intersector},
+    analysis::Analysis,
+    intersect::{Intersections, Intersector, Segment},
     mesh::Mesh,
+    paths::PathPair,
     settings::InsideChoice,
 };
 
@@ -23,14 +27,15 @@ pub(super) fn run(
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
     progress: &mut Progress<'_>,
+    should_stop: &ShouldStop<'_>,
 ) -> Result<Relaxation, RelaxError> {
-    let mut relaxer = Relaxer::new(mesh, positions, settings)?;
+    let mut relaxer = Relaxer::new(mesh, positions, settings, should_stop)?;
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
     let largest = analyse_input(&mut relaxer);
     let mut end = escape(&mut relaxer, largest, &mut best, progress)?;
     let is_near = end == End::Clean;
-    let plans = if end == End::Stuck { plans(largest).to_vec() } else { Vec::new() };
+    let plans = if end == End::Stuck { plans(largest) } else { Vec::new() };
     for plan in plans {
         if let Plan::Resolve { inside, .. } = plan {
             relaxer.analysis_settings.inside = inside;
@@ -38,8 +43,9 @@ pub(super) fn run(
         relaxer.separated.clear();
         relaxer.set_frame(&input)?;
         end = match plan {
-            Plan::Resolve { objective, .. } => {
-                resolve(&mut relaxer, objective, StallCriterion::with(largest), &mut best, progress)?
+            Plan::Resolve { objective, pace, .. } => {
+                let stall = StallCriterion::with(largest.num_edge_face, pace);
+                resolve(&mut relaxer, objective, pace, stall, &mut best, progress)?
             }
             Plan::Flatten => flatten(&mut relaxer, &mut best, progress)?,
         };
@@ -53,36 +59,41 @@ pub(super) fn run(
         interrupted = settle(&mut relaxer, progress)?;
         relaxer.analyse();
     }
-    let blocked = blocked_paths(mesh, relaxer.analyser.last(), end);
-    if blocked.is_empty() && !relaxer.history.is_empty() && !interrupted {
+    if !relaxer.history.is_empty() && !interrupted {
         interrupted = recover_shape(&mut relaxer, progress)?;
     }
-    let positions = relaxer.frame.positions().iter().map(|point| (*point).into()).collect();
+    let blocked = blocked_paths(mesh, &relaxer.final_paths(), end, largest.is_crowded());
+    let restored = |(point, (before, given)): (&Point3<f64>, (&Point3<f64>, &[f64; 3]))| {
+        // A frame takes the smallest values as zero.
+        if point == before { *given } else { (*point).into() }
+    };
+    let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
 }
 
 /// The nearest plan: a descent by local motions, and trials from where it ends stuck.
 fn escape(
     relaxer: &mut Relaxer<'_>,
-    largest: usize,
+    largest: Largest,
     best: &mut BestState,
     progress: &mut Progress<'_>,
 ) -> Result<End, RelaxError> {
-    if is_beyond_trials(largest) {
+    if largest.is_crowded() {
         return Ok(End::Stuck);
     }
     let mut end = descend(relaxer, best, progress)?;
     for objective in [Objective::Normal, Objective::Target] {
         if end == End::Stuck {
             relaxer.set_frame(&best.positions)?;
-            end = resolve(relaxer, objective, StallCriterion::with(largest), best, progress)?;
+            let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
+            end = resolve(relaxer, objective, Pace::Usual, stall, best, progress)?;
         }
     }
     Ok(end)
 }
 
-/// Analyses the input. Gives back the number of edge-face intersections of the island of paths that has most.
-fn analyse_input(relaxer: &mut Relaxer<'_>) -> usize {
+/// Analyses the input. Gives back what there is to know about the island of paths that has most.
+fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
     let mut found = Intersections::default();
     Intersector::default().intersect(relaxer.mesh, &relaxer.frame, &mut found);
     let many = is_beyond_trials(found.edge_face.len());
@@ -93,11 +104,35 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> usize {
     }
     relaxer.analyse();
     relaxer.measure_islands(0);
-    let largest = relaxer.now.iter().map(|tangle| tangle.num_edge_face).max().unwrap_or(0);
-    if many && !is_beyond_trials(largest) {
+    let largest = largest_island(relaxer);
+    if many && !largest.is_crowded() {
         relaxer.analysis_settings.inside = wanted;
         relaxer.analyse();
     }
     relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), usize::MAX / 2);
     largest
+}
+
+/// The island that has most intersections, of those that were measured last.
+fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
+    let Relaxer { mesh, analyser, islands, now, .. } = relaxer;
+    let Analysis { intersections, paths, .. } = analyser.last();
+    let island = (0..now.len()).rev().max_by_key(|&island| now[island].num_edge_face).unwrap_or(0);
+    let is_here = |pair: &&PathPair| {
+        let first = &paths.segments[paths.copies[pair.copies.start].segments.start];
+        islands.of(mesh.face(first.own)[0]) == island
+    };
+    let closed = mesh.closed_pieces();
+    let is_flattenable = |segment: &&Segment| {
+        let [a, b] = segment.faces.map(|face| mesh.piece(face));
+        a == b && a.is_some_and(|piece| !closed[piece.index()])
+    };
+    let num_flattenable = intersections.segments.iter().filter(is_flattenable).count();
+    #[expect(clippy::cast_precision_loss, reason = "counts")]
+    let flattenable = num_flattenable as f64 / intersections.segments.len().max(1) as f64;
+    Largest {
+        num_edge_face: now.get(island).map_or(0, |tangle| tangle.num_edge_face),
+        num_pairs: paths.pairs.iter().filter(is_here).count(),
+        flattenable,
+    }
 }

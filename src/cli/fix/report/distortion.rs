@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use serde::Serialize;
 
-use untangle::mesh::Mesh;
+use untangle::{mesh::Mesh, relax::STRETCH_LIMIT};
 
 /// Displacements and stretch between two states of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -15,6 +15,8 @@ pub struct Distortion {
     /// Stretch (length after divided by length before) of the edge with the largest |log| of it; 0 for an edge that
     /// collapsed.
     pub max_edge_stretch: f64,
+    /// Edges with a stretch beyond [`STRETCH_LIMIT`] or below its inverse.
+    pub num_overstretched_edges: usize,
     /// Mean stretch of all edges.
     pub mean_edge_stretch: f64,
 }
@@ -30,7 +32,7 @@ impl Distortion {
             largest = largest.max(displacement);
             sum += displacement;
         }
-        let (mut worst, mut ratios, mut count) = (1.0f64, 0.0, 0);
+        let (mut worst, mut ratios, mut count, mut num_overstretched_edges) = (1.0f64, 0.0, 0, 0);
         for edge in mesh.edge_ids() {
             let [a, b] = mesh.edge(edge).map(|vertex| vertex.0 as usize);
             let length = distance(before[a], before[b]);
@@ -42,6 +44,7 @@ impl Distortion {
             if ratio.ln().abs() > worst.ln().abs() {
                 worst = ratio;
             }
+            num_overstretched_edges += usize::from(ratio.ln().abs() > STRETCH_LIMIT.ln());
             ratios += ratio;
             count += 1;
         }
@@ -53,6 +56,7 @@ impl Distortion {
             max_displacement_m: largest,
             mean_displacement_m: mean(sum, before.len(), 0.0),
             max_edge_stretch: worst,
+            num_overstretched_edges,
             mean_edge_stretch: mean(ratios, count, 1.0),
         }
     }

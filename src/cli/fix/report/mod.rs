@@ -12,7 +12,7 @@ use serde::Serialize;
 use untangle::{
     analysis::Analysis,
     paths::PairType,
-    relax::{BlockedPath, Iteration},
+    relax::{BlockedPath, Iteration, STRETCH_LIMIT},
 };
 
 use crate::cli::wording::{Counted, count_path_pairs, json_line, name_of};
@@ -30,6 +30,8 @@ pub struct Report {
     pub outputs: Vec<String>,
     /// Whether an exact check of the outputs, read back, found no intersection.
     pub clean: bool,
+    /// Whether the untangling was ended by the time limit.
+    pub time_limit_reached: bool,
     /// Iterations of the relaxation; 0 if the input was clean.
     pub num_iterations: usize,
     /// Time from the start to the end of the last check, in seconds.
@@ -123,10 +125,26 @@ impl Display for Report {
         }
         let methods: Vec<String> = methods.iter().map(|(name, count)| format!("{name} {count}")).collect();
         writeln!(f, "{}{}", if methods.is_empty() { "" } else { ": " }, methods.join(", "))?;
-        let Distortion { max_displacement_m, mean_displacement_m, max_edge_stretch, mean_edge_stretch } =
-            self.distortion;
+        if self.time_limit_reached {
+            writeln!(f, "  the time limit was reached: this is the best state until then")?;
+        }
+        let Distortion {
+            max_displacement_m,
+            mean_displacement_m,
+            max_edge_stretch,
+            mean_edge_stretch,
+            num_overstretched_edges,
+        } = self.distortion;
         writeln!(f, "  moved {max_displacement_m:.6} m at most, {mean_displacement_m:.6} m on average")?;
         writeln!(f, "  edges are {max_edge_stretch:.4} times as long at worst, {mean_edge_stretch:.4} on average")?;
+        if num_overstretched_edges > 0 {
+            writeln!(
+                f,
+                "  {} longer than {STRETCH_LIMIT} times the length before, or shorter than 1/{STRETCH_LIMIT} of it: \
+                 the cloth is distorted there",
+                Counted(num_overstretched_edges, "edge"),
+            )?;
+        }
         for Blocked { pair_type, vertex, length_m, reason } in &self.blocked {
             writeln!(f, "  left: {} of {length_m:.5} m at vertex {vertex}: {reason}", name_of(pair_type))?;
         }

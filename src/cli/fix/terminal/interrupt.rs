@@ -1,4 +1,4 @@
-//! Ctrl-C: the work ends after the current iteration, and nothing is written.
+//! Ctrl-C: the work ends soon, and nothing is written.
 
 use std::{
     io,
@@ -43,8 +43,7 @@ impl Interrupt {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// The flag that a signal sets.
-    #[cfg(test)]
+    /// The flag that a signal sets, for other threads.
     pub(crate) fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.asked)
     }

@@ -53,6 +53,9 @@ pub(crate) fn collect(constraints: &mut Constraints, source: &ConstraintSource<'
         }
         let has_targets = |copy: usize| source.found.paths.binary_search_by_key(&copy, |path| path.copy);
         match (objective, has_targets(copy)) {
+            (Objective::Normal, _) if source.is_fold_of_one_ring(copy) => {
+                source.draw_back(constraints, copy);
+            }
             (Objective::Normal, Ok(index)) => source.separate(constraints, &source.found.paths[index], false),
             (Objective::Target, Ok(index)) => source.separate(constraints, &source.found.paths[index], true),
             (Objective::Normal | Objective::Target, Err(_)) if has_targets(path.partner).is_ok() => {}
@@ -155,7 +158,16 @@ impl ConstraintSource<'_> {
         }
     }
 
-    /// Draws edges back out of the faces that they pierce, by the end that is nearer: for paths of no length.
+    /// Whether a path is a segment between two faces round a loop vertex, there and back, with no vertex inside. It gets shorter only
+    /// by crushing one of these faces, and its targets lie as near to the loop vertex as its points.
+    fn is_fold_of_one_ring(&self, copy: usize) -> bool {
+        let path = &self.analysis.paths.copies[copy];
+        path.path_type == PathType::BoundaryLoopInside
+            && path.segments.len() == 2
+            && self.analysis.regions.vertices_of(copy).is_empty()
+    }
+
+    /// Draws edges back out of the faces that they pierce, by the end that is nearer: for paths that can't get shorter.
     fn draw_back(&self, constraints: &mut Constraints, copy: usize) {
         let Self { mesh, frame, analysis, .. } = *self;
         let path = &analysis.paths.copies[copy];

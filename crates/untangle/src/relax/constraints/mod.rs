@@ -18,4 +18,5 @@ pub(crate) use from_paths::{ConstraintSource, Objective, collect};
 pub(crate) use local::{LocalConstraints, row_value};
 pub(crate) use orientation::Orientation;
 pub(crate) use rows::Constraints;
+pub use strain_limits::STRETCH_LIMIT;
 pub(crate) use strain_limits::StrainLimits;

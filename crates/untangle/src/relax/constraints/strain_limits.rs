@@ -10,8 +10,9 @@ use crate::{
 
 /// No face may lose more than this part of its area in the input.
 const MIN_AREA_RATIO: f64 = 0.06;
-/// No edge may get longer than this many times its length in the input, or shorter than the inverse.
-const MAX_STRETCH: f64 = 1.9;
+/// No edge gets longer than this many times its length in the input, or shorter than the inverse, but by flattening,
+/// which is the last resort.
+pub const STRETCH_LIMIT: f64 = 1.9;
 /// The same for states of the flattening flow, which is the last resort.
 const MAX_STRETCH_FLATTENED: f64 = 3.0;
 
@@ -67,8 +68,8 @@ impl StrainLimits {
         let input = self.lengths[edge.index()];
         let (then, now) = (length(mesh, before, edge), length(mesh, after, edge));
         // An edge without a length may get one.
-        let too_long = input > 0.0 && now > MAX_STRETCH * input && now > then;
-        too_long || (now * MAX_STRETCH < input && now < then)
+        let too_long = input > 0.0 && now > STRETCH_LIMIT * input && now > then;
+        too_long || (now * STRETCH_LIMIT < input && now < then)
     }
 }
 

@@ -15,7 +15,10 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{domain::Domain, triangle_arap::RestTriangle};
-use crate::mesh::{Mesh, VertexId};
+use crate::{
+    mesh::{Mesh, VertexId},
+    relax::settings::ShouldStop,
+};
 
 /// Strained triangles are made stiffer by this factor each time.
 const STIFFENING: f64 = 2.0;
@@ -120,12 +123,21 @@ impl<'a> FlatteningEnergy<'a> {
         sums
     }
 
-    /// Makes local and global steps until they change little, or so many. Cost: for each of them one solution and a fit
+    /// Makes local and global steps until they change little, or so many, or the work is to stop. Cost: for each of them one solution and a fit
     /// for each triangle.
-    pub(crate) fn minimise(&self, system: &FlatteningSystem, max_steps: usize, positions: &mut [Point3<f64>]) {
+    pub(crate) fn minimise(
+        &self,
+        system: &FlatteningSystem,
+        max_steps: usize,
+        positions: &mut [Point3<f64>],
+        should_stop: &ShouldStop<'_>,
+    ) {
         let size = self.domain.vertices().len();
         let mut right = vec![0.0; 3 * size];
         for _ in 0..max_steps {
+            if should_stop() {
+                break;
+            }
             self.right_hand_side(system, positions, &mut right);
             system.factors.solve_in_place(MatMut::from_column_major_slice_mut(&mut right, size, 3));
             let mut change: f64 = 0.0;

@@ -13,6 +13,7 @@ use crate::{
     relax::{
         constraints::{Constraints, StrainLimits},
         energy::ArapEnergy,
+        settings::ShouldStop,
         step::{DisplacementSolver, Islands, SolverBudget, Start, Tangle, island_strains, measure},
     },
 };
@@ -38,6 +39,7 @@ pub(super) struct Context<'a> {
     pub(super) now: &'a [Score],
     pub(super) edge_length_m: f64,
     pub(super) single_precision: bool,
+    pub(super) should_stop: &'a ShouldStop<'a>,
 }
 
 /// A state that is judged.
@@ -70,7 +72,8 @@ impl Candidate {
         self.solver.budget =
             SolverBudget { newton_steps: NEWTON_STEPS, cg_steps: CG_STEPS, penalty: PENALTY * stiffness.max(16.0) };
         self.is_usable =
-            self.solver.solve(&context.energy, stiffness, MAX_STRETCH, constraints, Start::Cold) && self.judge(context);
+            self.solver.solve(&context.energy, stiffness, MAX_STRETCH, constraints, Start::Cold, context.should_stop)
+                && self.judge(context);
         if !self.is_usable {
             return;
         }

@@ -23,7 +23,7 @@ use crate::{
         outcome::{BestState, End, Method, RelaxError},
         relaxer::{Progress, Relaxer},
         settings::Effort,
-        step::{island_strains, measure},
+        step::{island_strains, measure, num_movable, remove_pinned_chains},
     },
 };
 
@@ -68,7 +68,7 @@ pub(in crate::relax) fn descend(
         if tangle < best.merit {
             *best = BestState { merit: tangle, positions: relaxer.frame.positions().to_vec() };
         }
-        if descent.analysis.intersections.edge_face.is_empty() {
+        if num_movable(relaxer.mesh, &descent.analysis.intersections) == 0 {
             return Ok(End::Clean);
         }
         if relaxer.is_exhausted() {
@@ -81,6 +81,9 @@ pub(in crate::relax) fn descend(
         descent.stalled = iteration - least.1;
         if descent.stalled >= PATIENCE {
             break;
+        }
+        if (relaxer.should_stop)() {
+            return Ok(End::Interrupted);
         }
         let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
         let Relaxer { mesh, frame, separated, .. } = relaxer;
@@ -118,6 +121,7 @@ impl Descent {
         let Analysis { intersections, paths, regions } = &mut self.analysis;
         let Relaxer { mesh, frame, islands, domain, .. } = relaxer;
         self.intersector.intersect(mesh, frame, intersections);
+        remove_pinned_chains(mesh, intersections);
         self.path_finder.find(mesh, frame, intersections, paths);
         regions.by_copy.clear();
         regions.by_copy.resize(paths.copies.len(), None);
@@ -168,6 +172,7 @@ impl Descent {
             now: &self.now,
             edge_length_m: self.edge_length_m,
             single_precision: settings.single_precision,
+            should_stop: relaxer.should_stop,
         };
         let constraints = &self.constraints;
         self.candidates.par_iter_mut().zip(&recipes).for_each(|(candidate, &(rows, stiffness))| {

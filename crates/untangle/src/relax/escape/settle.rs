@@ -92,7 +92,7 @@ fn step(relaxer: &Relaxer<'_>) -> Option<Vec<Point3<f64>>> {
     let energy = ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, anchor: 1.0 };
     let mut solver = DisplacementSolver::default();
     solver.budget = SolverBudget { newton_steps: NEWTON_STEPS, ..SolverBudget::default() };
-    if !solver.solve(&energy, STIFFNESS, MAX_STRETCH, &constraints, Start::Cold) {
+    if !solver.solve(&energy, STIFFNESS, MAX_STRETCH, &constraints, Start::Cold, relaxer.should_stop) {
         return None;
     }
     let mut target = frame.positions().to_vec();
@@ -100,6 +100,6 @@ fn step(relaxer: &Relaxer<'_>) -> Option<Vec<Point3<f64>>> {
         target[vertex.index()] += displacement;
     }
     let mut positions = frame.positions().to_vec();
-    let mut step = CollisionFreeStep::new(mesh, domain);
+    let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop);
     step.advance(&mut positions, &target, settings.single_precision).then_some(positions)
 }

@@ -31,7 +31,7 @@ fn flattened(most: usize, interrupt: bool) -> (End, bool, Vec<usize>) {
     let (description, positions) = roll();
     let mesh = Mesh::new(description).unwrap();
     let settings = RelaxSettings { max_iterations: most, ..RelaxSettings::default() };
-    let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+    let mut relaxer = Relaxer::new(&mesh, &positions, &settings, &|| false).unwrap();
     let input = relaxer.frame.positions().to_vec();
     relaxer.set_frame(&input).unwrap();
     assert!(relaxer.analyser.last().intersections.edge_face.len() > 20);
@@ -72,7 +72,7 @@ fn least_violated_of_clean_states_keeps_fewest_violations_and_of_equals_the_last
     let (description, positions) = roll();
     let mesh = Mesh::new(description).unwrap();
     let settings = RelaxSettings::default();
-    let relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+    let relaxer = Relaxer::new(&mesh, &positions, &settings, &|| false).unwrap();
     let mut domain = Domain::default();
     domain.grow(&mesh, mesh.vertex_ids(), 0);
     let input = relaxer.frame.positions();
@@ -112,7 +112,7 @@ fn flatten_leaves_pieces_without_boundary_bit_for_bit() {
     let mesh = Mesh::new(description).unwrap();
     assert_eq!(mesh.closed_pieces(), [false, true]);
     let settings = RelaxSettings { max_iterations: 30, ..RelaxSettings::default() };
-    let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+    let mut relaxer = Relaxer::new(&mesh, &positions, &settings, &|| false).unwrap();
     let input = relaxer.frame.positions().to_vec();
     relaxer.set_frame(&input).unwrap();
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
@@ -129,7 +129,7 @@ fn flatten_on_one_or_three_threads_gives_same_bits() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut relaxer = Relaxer::new(&mesh, &positions, &settings).unwrap();
+            let mut relaxer = Relaxer::new(&mesh, &positions, &settings, &|| false).unwrap();
             let input = relaxer.frame.positions().to_vec();
             relaxer.set_frame(&input).unwrap();
             let mut best = BestState { merit: f64::INFINITY, positions: input };

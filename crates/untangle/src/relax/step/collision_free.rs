@@ -4,13 +4,14 @@ use nalgebra::Point3;
 
 use super::{
     damping::{Backtracking, Damping},
+    pinned::is_movable,
     precision::stored,
 };
 use crate::{
     frame::Frame,
     intersect::{Intersections, Intersector},
     mesh::{Mesh, VertexId},
-    relax::energy::Domain,
+    relax::{energy::Domain, settings::ShouldStop},
 };
 
 /// Backtracking of vertices whose faces or edges would intersect something.
@@ -26,6 +27,7 @@ const HOLD_DECAY: f64 = 0.5;
 pub(crate) struct CollisionFreeStep<'a> {
     mesh: &'a Mesh,
     domain: &'a Domain,
+    should_stop: &'a ShouldStop<'a>,
     damping: Damping,
     holds: Vec<f64>,
     frame: Frame,
@@ -35,10 +37,11 @@ pub(crate) struct CollisionFreeStep<'a> {
 }
 
 impl<'a> CollisionFreeStep<'a> {
-    pub(crate) fn new(mesh: &'a Mesh, domain: &'a Domain) -> Self {
+    pub(crate) fn new(mesh: &'a Mesh, domain: &'a Domain, should_stop: &'a ShouldStop<'a>) -> Self {
         Self {
             mesh,
             domain,
+            should_stop,
             damping: Damping::default(),
             holds: vec![0.0; domain.vertices().len()],
             frame: Frame::default(),
@@ -49,7 +52,7 @@ impl<'a> CollisionFreeStep<'a> {
     }
 
     /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing, and less far
-    /// elsewhere. False if no step without intersections is left. Cost: one search for intersections for each round of
+    /// elsewhere. False if no step without intersections is left, or the work is to stop. Cost: one search for intersections for each round of
     /// backtracking.
     pub(crate) fn advance(
         &mut self,
@@ -59,6 +62,9 @@ impl<'a> CollisionFreeStep<'a> {
     ) -> bool {
         self.damping.reset(self.domain.vertices().len());
         for round in 0..=BACKTRACKING.num_rounds() {
+            if (self.should_stop)() {
+                return false;
+            }
             self.step.clear();
             self.step.extend_from_slice(positions);
             for (local, vertex) in self.domain.vertices().iter().enumerate() {
@@ -70,7 +76,7 @@ impl<'a> CollisionFreeStep<'a> {
                 return false;
             }
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.is_empty() {
+            if self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
                 return true;

@@ -70,12 +70,15 @@ impl Damping {
         }
     }
 
-    /// Stops all vertices for which `is_stopped` holds.
-    pub(crate) fn stop(&mut self, is_stopped: impl Fn(usize) -> bool) {
+    /// Stops all vertices for which `is_stopped` holds. False if none of them moved.
+    pub(crate) fn stop(&mut self, is_stopped: impl Fn(usize) -> bool) -> bool {
+        let mut any = false;
         for (local, factor) in self.factors.iter_mut().enumerate() {
             if is_stopped(local) {
+                any |= *factor > 0.0;
                 *factor = 0.0;
             }
         }
+        any
     }
 }

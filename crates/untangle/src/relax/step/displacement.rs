@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::relax::{
     constraints::{Constraints, LocalConstraints, row_value},
     energy::{ArapEnergy, StiffnessMatrix},
+    settings::ShouldStop,
 };
 
 /// Weight of the constraints against the displacement of one vertex.
@@ -73,7 +74,8 @@ pub(crate) struct DisplacementSolver {
 
 impl DisplacementSolver {
     /// Finds the displacement. Edges that change their length by more than a factor `max_stretch` are made stiffer,
-    /// round by round; from a warm start there is one round. False where a system can't be factorised.
+    /// round by round; from a warm start there is one round. False where a system can't be factorised, or the work is to
+    /// stop.
     ///
     /// Cost: some factorisations of the domain's graph Laplacian and some hundred solutions with them.
     pub(crate) fn solve(
@@ -83,13 +85,16 @@ impl DisplacementSolver {
         max_stretch: f64,
         constraints: &Constraints,
         start: Start,
+        should_stop: &ShouldStop<'_>,
     ) -> bool {
         self.constraints.set(constraints, energy.domain);
         self.resize(energy, start);
         let num_rounds = if start == Start::Warm { 1 } else { STIFFENING_ROUNDS };
         for round in 0..num_rounds {
             let Some(matrix) = StiffnessMatrix::factorise(energy, stiffness, &self.stiffening) else { return false };
-            self.minimise(energy, stiffness, &matrix);
+            if !self.minimise(energy, stiffness, &matrix, should_stop) {
+                return false;
+            }
             if round + 1 == STIFFENING_ROUNDS || !self.stiffen(energy, max_stretch) {
                 break;
             }
@@ -117,8 +122,14 @@ impl DisplacementSolver {
         }
     }
 
-    /// Newton steps for one matrix.
-    fn minimise(&mut self, energy: &ArapEnergy<'_>, stiffness: f64, matrix: &StiffnessMatrix) {
+    /// Newton steps for one matrix; false where they are to stop.
+    fn minimise(
+        &mut self,
+        energy: &ArapEnergy<'_>,
+        stiffness: f64,
+        matrix: &StiffnessMatrix,
+        should_stop: &ShouldStop<'_>,
+    ) -> bool {
         // Each step begins where the last one ended: the remaining residuals get ever smaller, and need no more digits.
         let mut target = None;
         for _ in 0..self.budget.newton_steps {
@@ -128,11 +139,15 @@ impl DisplacementSolver {
             self.active.clear();
             let is_active = |(row, wanted_m): (&[_], f64)| row_value(row, displacement) < wanted_m;
             self.active.extend(self.constraints.rows().map(is_active));
-            self.conjugate_gradients(matrix, &mut target);
+            self.conjugate_gradients(matrix, &mut target, should_stop);
+            if should_stop() {
+                return false;
+            }
             if self.is_converged() {
                 break;
             }
         }
+        true
     }
 
     /// Whether the last Newton step changed little.
@@ -167,7 +182,12 @@ impl DisplacementSolver {
 
     /// Conjugate gradients on `(A + W B^T B) d = force + W B^T wanted`, from the present displacement, over the active
     /// constraints. `target` is where the squared residual ends; the first call sets it.
-    fn conjugate_gradients(&mut self, matrix: &StiffnessMatrix, target: &mut Option<f64>) {
+    fn conjugate_gradients(
+        &mut self,
+        matrix: &StiffnessMatrix,
+        target: &mut Option<f64>,
+        should_stop: &ShouldStop<'_>,
+    ) {
         self.begin_residual(matrix);
         self.precond.copy_from_slice(&self.residual);
         matrix.solve(&mut self.precond, &mut self.scratch);
@@ -175,7 +195,7 @@ impl DisplacementSolver {
         let mut product = dot(&self.residual, &self.precond);
         let target = *target.get_or_insert(product * CG_TOLERANCE * CG_TOLERANCE);
         for _ in 0..self.budget.cg_steps {
-            if product <= target || product <= 0.0 {
+            if product <= target || product <= 0.0 || should_stop() {
                 break;
             }
             self.multiply_search(matrix);

@@ -2,7 +2,10 @@
 
 use nalgebra::Point3;
 
-use super::islands::Islands;
+use super::{
+    islands::Islands,
+    pinned::{are_faces_pinned, is_movable},
+};
 use crate::{
     frame::Frame,
     geometry::perimeter,
@@ -33,16 +36,16 @@ impl Tangle {
     }
 }
 
-/// Measures all intersections, island by island; the last entry is for those near no island.
+/// Measures all intersections that a motion can change, island by island; the last entry is for those near no island.
 pub(crate) fn measure(mesh: &Mesh, frame: &Frame, found: &Intersections, islands: &Islands, tangles: &mut Vec<Tangle>) {
     tangles.clear();
     tangles.resize(islands.len() + 1, Tangle::default());
     let island_of =
         |face: FaceId| mesh.face(face).into_iter().find_map(|vertex| islands.near(vertex)).unwrap_or(islands.len());
-    for crossing in &found.edge_face {
+    for crossing in found.edge_face.iter().filter(|crossing| is_movable(mesh, crossing)) {
         tangles[island_of(crossing.face)].num_edge_face += 1;
     }
-    for segment in &found.segments {
+    for segment in found.segments.iter().filter(|segment| !are_faces_pinned(mesh, segment.faces)) {
         let [a, b] = segment.ends.map(|end| position(frame, found, end));
         let length = (b - a).norm();
         let edges = segment.faces.map(|face| perimeter(mesh.face(face).map(|vertex| frame.position(vertex))) / 3.0);

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
+    choice::{Groups, Seams},
     damping::{Backtracking, Damping},
     displacement::{DisplacementSolver, Start},
     islands::Islands,
@@ -17,6 +18,7 @@ use crate::{
     relax::{
         constraints::{Constraints, Objective, StrainLimits},
         energy::{ArapEnergy, Domain},
+        settings::ShouldStop,
     },
     sparse_map::SparseMap,
 };
@@ -57,6 +59,7 @@ pub(crate) struct TrialContext<'a> {
     /// Mean edge length of the faces that intersect, in metres.
     pub(crate) edge_length_m: f64,
     pub(crate) single_precision: bool,
+    pub(crate) should_stop: &'a ShouldStop<'a>,
 }
 
 /// A state that is judged island by island.
@@ -84,6 +87,7 @@ pub(crate) struct Trial {
     found: Intersections,
     damping: Damping,
     violated: Vec<usize>,
+    mixed: Vec<Point3<f64>>,
 }
 
 impl Trial {
@@ -104,7 +108,14 @@ impl Trial {
         for round in 0..=CONTACT_ROUNDS {
             let start = if round > 0 { Start::Warm } else { Start::Cold };
             let TrialSettings { stiffness, max_stretch, .. } = settings;
-            if !self.solver.solve(&context.energy, stiffness, max_stretch, &self.constraints, start) {
+            if !self.solver.solve(
+                &context.energy,
+                stiffness,
+                max_stretch,
+                &self.constraints,
+                start,
+                context.should_stop,
+            ) {
                 return false;
             }
             self.limit_length(context);
@@ -122,7 +133,7 @@ impl Trial {
     fn line_search(&mut self, context: &TrialContext<'_>) {
         for _ in 0..MAX_HALVINGS {
             let helps = |(best, now): (&Tangle, &Tangle)| best.is_none() || best.merit() < now.merit();
-            if self.best.tangles.iter().zip(context.now).all(helps) {
+            if self.best.tangles.iter().zip(context.now).all(helps) || (context.should_stop)() {
                 break;
             }
             for displacement in &mut self.solver.displacement {
@@ -173,7 +184,7 @@ impl Trial {
         self.step.positions.clear();
         self.step.positions.extend_from_slice(before);
         self.damping.reset(vertices.len());
-        for round in 0..=BACKTRACKING.num_rounds() + 1 {
+        for round in 0.. {
             for (local, &vertex) in vertices.iter().enumerate() {
                 let point = before[vertex.index()] + self.solver.displacement[local] * self.damping.factor(local);
                 self.step.positions[vertex.index()] = stored(point, context.single_precision);
@@ -187,12 +198,15 @@ impl Trial {
             if round < BACKTRACKING.num_rounds() {
                 self.damping.damp(mesh, domain, self.violated.iter().copied(), BACKTRACKING.factor(round));
             } else {
-                // The last resort: nothing moves in these islands.
+                // The last resort: nothing moves in these islands. What is violated has moved, so that each round stops
+                // another one.
                 let mut is_stopped = vec![false; islands.len() + 1];
                 for &local in &self.violated {
                     is_stopped[islands.of(vertices[local])] = true;
                 }
-                self.damping.stop(|local| is_stopped[islands.of(vertices[local])]);
+                if !self.damping.stop(|local| is_stopped[islands.of(vertices[local])]) {
+                    break;
+                }
             }
         }
     }
@@ -223,19 +237,34 @@ impl Trial {
         self.constraints.len() > before
     }
 
-    /// Takes over the islands that the last step leaves less tangled.
+    /// Takes over the islands that the last step leaves less tangled, those together that would tear each other.
     fn keep_better(&mut self, context: &TrialContext<'_>) {
-        let better = |island: usize| self.step.tangles[island].merit() < self.best.tangles[island].merit();
-        for &vertex in context.energy.domain.vertices() {
-            if better(context.islands.of(vertex)) {
-                self.best.positions[vertex.index()] = self.step.positions[vertex.index()];
+        let TrialContext { energy: ArapEnergy { mesh, frame, domain, .. }, islands, limits, .. } = *context;
+        let seams = Seams { mesh, domain, islands, limits, before: frame.positions() };
+        let mut groups = Groups::of_single_islands(self.step.tangles.len());
+        let merit = |state: &JudgedState, group: &[usize]| -> f64 {
+            group.iter().map(|&island| state.tangles[island].merit()).sum()
+        };
+        let mut is_better = vec![false; self.step.tangles.len()];
+        loop {
+            for group in groups.members() {
+                let better = merit(&self.step, &group) < merit(&self.best, &group);
+                for island in group {
+                    is_better[island] = better;
+                }
+            }
+            self.mixed.clone_from(&self.best.positions);
+            for &vertex in domain.vertices().iter().filter(|&&vertex| is_better[islands.of(vertex)]) {
+                self.mixed[vertex.index()] = self.step.positions[vertex.index()];
+            }
+            if !groups.join_torn(&seams, &self.mixed) {
+                break;
             }
         }
-        for island in 0..self.step.tangles.len() {
-            if self.step.tangles[island].merit() < self.best.tangles[island].merit() {
-                self.best.tangles[island] = self.step.tangles[island];
-                self.best.strains[island] = self.step.strains[island];
-            }
+        self.best.positions.clone_from(&self.mixed);
+        for island in (0..is_better.len()).filter(|&island| is_better[island]) {
+            self.best.tangles[island] = self.step.tangles[island];
+            self.best.strains[island] = self.step.strains[island];
         }
     }
 }
