@@ -68,6 +68,9 @@ pub(in crate::relax) fn descend(
         if tangle < best.merit {
             *best = BestState { merit: tangle, positions: relaxer.frame.positions().to_vec() };
         }
+        if iteration > 0 && descent.report(relaxer, progress).is_break() {
+            return Ok(End::Interrupted);
+        }
         if num_movable(relaxer.mesh, &descent.analysis.intersections) == 0 {
             return Ok(End::Clean);
         }
@@ -82,16 +85,13 @@ pub(in crate::relax) fn descend(
         if descent.stalled >= PATIENCE {
             break;
         }
+        let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
         if (relaxer.should_stop)() {
             return Ok(End::Interrupted);
         }
-        let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
         let Relaxer { mesh, frame, separated, .. } = relaxer;
         frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
         separated.hold(&descent.constraints[0], frame);
-        if descent.report(relaxer, progress).is_break() {
-            return Ok(End::Interrupted);
-        }
     }
     Ok(End::Stuck)
 }
@@ -216,9 +216,11 @@ impl Descent {
         usable.min_by(|a, b| value(a.1).total_cmp(&value(b.1))).map(|(index, _)| index)
     }
 
+    /// Notes the state that was looked at last.
     fn report(&self, relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> ControlFlow<()> {
         let length_m = self.analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
-        relaxer.note(Method::Push, self.analysis.intersections.edge_face.len(), length_m, progress)
+        let num_edge_face = num_movable(relaxer.mesh, &self.analysis.intersections);
+        relaxer.note(Method::Push, num_edge_face, length_m, progress)
     }
 }
 
