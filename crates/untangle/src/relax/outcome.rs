@@ -17,7 +17,7 @@ use crate::{
 pub enum Method {
     /// Points inside moved to their targets, which a radial basis function fit gave.
     Rbf,
-    /// Points inside crossed the corresponding sheet along its normal.
+    /// Sheets left each other by the shortest motion, or points inside crossed the corresponding sheet.
     Push,
     /// Paths got shorter, down the gradient of their length.
     Contour,

@@ -12,6 +12,7 @@ use super::{
     relaxer::{Progress, Relaxer},
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
+    step::are_faces_pinned,
 };
 use crate::{
     analysis::Analysis,
@@ -71,7 +72,16 @@ pub(super) fn run(
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
 }
 
-/// The nearest plan: a descent by local motions, and trials from where it ends stuck.
+/// Whether most of what intersects meets pinned faces: a body that stays. The shortest motion out of it may lead
+/// through it, while the regions of the paths show on which side the cloth belongs.
+fn is_against_pins(relaxer: &Relaxer<'_>) -> bool {
+    let segments = &relaxer.analyser.last().intersections.segments;
+    let meets_pins = |segment: &&Segment| segment.faces.iter().any(|&face| are_faces_pinned(relaxer.mesh, [face]));
+    2 * segments.iter().filter(meets_pins).count() > segments.len()
+}
+
+/// The nearest plan: a descent by local motions, and trials from where it ends stuck. Against a body that stays trials
+/// come first.
 fn escape(
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
@@ -80,6 +90,16 @@ fn escape(
 ) -> Result<End, RelaxError> {
     if largest.is_crowded() {
         return Ok(End::Stuck);
+    }
+    if is_against_pins(relaxer) {
+        let input = relaxer.frame.positions().to_vec();
+        let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
+        let end = resolve(relaxer, Objective::Normal, Pace::Usual, stall, best, progress)?;
+        if end != End::Stuck {
+            return Ok(end);
+        }
+        relaxer.separated.clear();
+        relaxer.set_frame(&input)?;
     }
     let mut end = descend(relaxer, best, progress)?;
     for objective in [Objective::Normal, Objective::Target] {

@@ -22,7 +22,8 @@ use crate::{
         energy::ArapEnergy,
         outcome::{BestState, End, Method, RelaxError},
         relaxer::{Progress, Relaxer},
-        step::{island_strains, measure, remove_pinned_chains},
+        settings::Effort,
+        step::{island_strains, measure, num_movable, remove_pinned_chains},
     },
 };
 
@@ -67,11 +68,11 @@ pub(in crate::relax) fn descend(
         if tangle < best.merit {
             *best = BestState { merit: tangle, positions: relaxer.frame.positions().to_vec() };
         }
-        if descent.analysis.intersections.edge_face.is_empty() {
-            return Ok(End::Clean);
-        }
-        if (relaxer.should_stop)() {
+        if iteration > 0 && descent.report(relaxer, progress).is_break() {
             return Ok(End::Interrupted);
+        }
+        if num_movable(relaxer.mesh, &descent.analysis.intersections) == 0 {
+            return Ok(End::Clean);
         }
         if relaxer.is_exhausted() {
             return Ok(End::Exhausted);
@@ -85,12 +86,12 @@ pub(in crate::relax) fn descend(
             break;
         }
         let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
+        if (relaxer.should_stop)() {
+            return Ok(End::Interrupted);
+        }
         let Relaxer { mesh, frame, separated, .. } = relaxer;
         frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
         separated.hold(&descent.constraints[0], frame);
-        if descent.report(relaxer, progress).is_break() {
-            return Ok(End::Interrupted);
-        }
     }
     Ok(End::Stuck)
 }
@@ -120,7 +121,7 @@ impl Descent {
         let Analysis { intersections, paths, regions } = &mut self.analysis;
         let Relaxer { mesh, frame, islands, domain, .. } = relaxer;
         self.intersector.intersect(mesh, frame, intersections);
-        relaxer.has_pinned_chains = remove_pinned_chains(mesh, intersections);
+        remove_pinned_chains(mesh, intersections);
         self.path_finder.find(mesh, frame, intersections, paths);
         regions.by_copy.clear();
         regions.by_copy.resize(paths.copies.len(), None);
@@ -160,7 +161,7 @@ impl Descent {
         for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
             rows.collect(relaxer, &self.analysis, &self.motions, constraints);
         }
-        let recipes = self.recipes();
+        let recipes = self.recipes(relaxer.settings.effort);
         self.candidates.resize_with(recipes.len(), Candidate::default);
         let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
         let context = Context {
@@ -192,8 +193,8 @@ impl Descent {
         positions
     }
 
-    fn recipes(&self) -> Vec<(Rows, f64)> {
-        let has_few = self.analysis.intersections.edge_face.len() < FEW;
+    fn recipes(&self, effort: Effort) -> Vec<(Rows, f64)> {
+        let has_few = effort != Effort::Fast && self.analysis.intersections.edge_face.len() < FEW;
         let [for_all, for_few, for_stalled] = RECIPES;
         let mut recipes = for_all.to_vec();
         if has_few {
@@ -215,9 +216,11 @@ impl Descent {
         usable.min_by(|a, b| value(a.1).total_cmp(&value(b.1))).map(|(index, _)| index)
     }
 
+    /// Notes the state that was looked at last.
     fn report(&self, relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> ControlFlow<()> {
         let length_m = self.analysis.paths.pairs.iter().map(|pair| pair.length_m).sum();
-        relaxer.note(Method::Push, self.analysis.intersections.edge_face.len(), length_m, progress)
+        let num_edge_face = num_movable(relaxer.mesh, &self.analysis.intersections);
+        relaxer.note(Method::Push, num_edge_face, length_m, progress)
     }
 }
 

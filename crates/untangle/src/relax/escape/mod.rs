@@ -1,4 +1,5 @@
-//! Escape: both sheets of every contour are drawn apart by the shortest motion, in small steps of one displacement field.
+//! Escape: both sheets of every contour are drawn apart by the shortest motion, in small steps of one displacement
+//! field.
 //!
 //! | file or folder | purpose |
 //! |---|---|
