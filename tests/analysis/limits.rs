@@ -230,3 +230,37 @@ fn search_round_a_vertex_of_many_faces_tests_few_of_their_pairs() {
         }
     }
 }
+
+/// The sheet with one of its vertices so far away.
+fn flung(resolution: u32, far: f64) -> (Mesh, Frame) {
+    let mut sheet = crumpled(3, resolution);
+    let mesh = sheet.mesh();
+    let middle = sheet.positions.len() / 2;
+    sheet.positions[middle] = [far, 0.3 * far, -far];
+    let frame = sheet.frame(&mesh);
+    (mesh, frame)
+}
+
+#[test]
+fn search_with_a_vertex_far_away_equals_brute_force() {
+    for far in [1e3, 1e5, -1e9, 1e30, 1e70] {
+        let (mesh, frame) = flung(16, far);
+        let analysis = untangle::analysis::analyse(&mesh, &frame);
+        assert!(!analysis.intersections.segments.is_empty());
+        brute_force::assert_equal(&format!("{far}"), &mesh, &frame, &analysis);
+    }
+}
+
+#[test]
+fn search_with_a_vertex_far_away_tests_few_more_boxes() {
+    let limits = SearchLimits { max_tested: 1_000_000, ..SearchLimits::NONE };
+    let (mesh, usual) = flung(50, 1.0);
+    let mut intersector = Intersector::default();
+    let mut found = Intersections::default();
+    // The frames between find the caches of each other.
+    for far in [1e9, 1.0, 1e9, 1e9, -1e30, 1e70, 1.0_f64] {
+        let frame = if far.abs() > 1.0 { flung(50, far).1 } else { usual.clone() };
+        let end = intersector.intersect_within(&mesh, &frame, limits, &mut (), &mut found);
+        assert_eq!(end, SearchEnd::Complete, "{far}");
+    }
+}

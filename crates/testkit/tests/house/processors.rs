@@ -26,17 +26,11 @@ const DEPENDENT: [&str; 18] = [
     ".hypot(",
 ];
 
-/// Uses of `faer` in these files give whole numbers, or memory.
-const WHOLE_NUMBERS: [&str; 2] = ["linalg/cholesky.rs", "linalg/scratch.rs"];
-
 /// What the lines of a file say that decides by the processor, tests and comments left out.
 fn dependent_lines(path: &Path, text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     let is_dependent = |line: &str| {
-        let faer = line.contains("faer::") && !WHOLE_NUMBERS.iter().any(|file| path.ends_with(file));
-        let numeric =
-            line.contains("faer::") && ["solvers", "cholesky", "Llt", "Mat"].iter().any(|kernel| line.contains(kernel));
-        faer || numeric || line.contains("mul_add(") || DEPENDENT.iter().any(|call| line.contains(call))
+        line.contains("faer::") || line.contains("mul_add(") || DEPENDENT.iter().any(|call| line.contains(call))
     };
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//") && is_dependent(line));
     lines.map(|line| format!("{}: {}", path.display(), line.trim())).collect()

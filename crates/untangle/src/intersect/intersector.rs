@@ -143,12 +143,15 @@ impl Intersector {
         MIN_CERTIFICATES.max(CERTIFICATES_PER_FACE * self.bvh.faces().len()).min(within_limits)
     }
 
-    /// Collects the pairs of leaves that get certificates; false where there are too many.
+    /// Collects the pairs of leaves that get certificates; false where there are too many, or where vertices are so far
+    /// away that single precision does not tell how near boxes are.
     fn collect_leaf_pairs(&mut self, max_pairs: usize) -> bool {
         let Self { bvh, cache, stack, .. } = self;
         let (margin_m, mut is_complete) = (cache.margin_m(), false);
         let pairs = &mut cache.pairs;
-        dispatch(CollectLeafPairs { bvh, margin_m, max_pairs, stack, pairs, is_complete: &mut is_complete });
+        if !bvh.has_far() {
+            dispatch(CollectLeafPairs { bvh, margin_m, max_pairs, stack, pairs, is_complete: &mut is_complete });
+        }
         cache.keep_pairs(is_complete, bvh.scale())
     }
 

@@ -58,11 +58,13 @@ trait AnySet {
 
 impl<S: InstructionSet> AnySet for S {
     fn separated(&self, bvh: &Bvh, corners: &[[[u32; WIDTH]; 3]; 2]) -> u32 {
-        separated_mask_x8(self.f32x8(), bvh.points_f32(), corners, 0)
+        separated_mask_x8(self.f32x8(), bvh.points_f32(), corners, 0) & !bvh.far_lanes(corners.iter().flatten())
     }
 
     fn injective(&self, bvh: &Bvh, one_rings: &OneRings, batch: usize) -> u32 {
-        injective_mask_x8(self.f32x8(), bvh.points_f32(), &one_rings.batch(batch))
+        let rings = one_rings.batch(batch);
+        let far = bvh.far_lanes(rings.around.iter().chain([rings.centres]));
+        injective_mask_x8(self.f32x8(), bvh.points_f32(), &rings) & !far
     }
 }
 

@@ -5,8 +5,8 @@
 //! order, none of them fused, so that they give the same bits.
 //!
 //! The whole library keeps to this: no kernel of another crate that chooses instructions by the processor takes part in
-//! an answer (of `faer` only the order of elimination is used, which is whole numbers), and logarithms and arcs come
-//! from `libm`, not from the system. So the same input gives the same bytes on every processor of an architecture.
+//! an answer, and logarithms and arcs come from `libm`, not from the system. So the same input gives the same bytes on
+//! every processor of an architecture.
 //!
 //! The traits are our own, not `pulp::Simd`, although `pulp` has the instructions: its trait has no way from a mask to
 //! bits and no gather that transposes, and its scalar minimum is `f64::min`, several instructions for the sake of NaN.

@@ -2,9 +2,9 @@
 //! ones.
 
 mod cholesky;
+mod ordering;
 mod pivoted;
 mod saddle_point;
-mod scratch;
 mod sparse;
 
 pub(crate) use cholesky::Cholesky;

@@ -8,7 +8,8 @@
 //! Boxes are in single precision. One map for the whole frame takes coordinates there:
 //! `x -> f32((x - centre) * scale)`. Each of its steps is monotone in floating-point arithmetic, so intervals that
 //! overlap before the map overlap after it: no pair is lost, wherever the cloth is and however large, and nothing needs
-//! to be rounded outwards.
+//! to be rounded outwards. Where a few vertices are far from all others, the map resolves the others, and what else is
+//! done in single precision passes over the few.
 //!
 //! Pairs of faces that share a vertex always overlap. They are known from the topology, left out here, and tested
 //! around each vertex instead. All boxes round a vertex of many faces overlap there: these faces stand side by side in
@@ -19,6 +20,7 @@ mod adjacency;
 mod build;
 mod hubs;
 mod refit;
+mod single_map;
 mod traverse;
 mod tree;
 mod within_margin;

@@ -5,13 +5,14 @@ use super::{
     adjacency::LeafAdjacency,
     build::sort_by_median_splits,
     hubs::{Hubs, group_by_hub},
+    single_map::is_far,
 };
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, MeshIdentity, VertexId},
 };
 
-/// A vertex after the map into single precision; the fourth component has no meaning and makes a point one load.
+/// A vertex after the map into single precision; the fourth component makes a point one load, and marks one that is far.
 pub(crate) type PointF32 = [f32; 4];
 
 /// A pair of nodes of one level whose subtrees are to be traversed against each other.
@@ -33,6 +34,8 @@ pub(crate) struct Bvh {
     pub(super) points_f32: Vec<PointF32>,
     /// Of the map into single precision.
     pub(super) scale: f64,
+    /// Whether some vertices are so far away that the map does not resolve them.
+    pub(super) has_far: bool,
     /// Pairs of faces that the traversal leaves out.
     pub(super) adjacency: LeafAdjacency,
     /// The common vertices of nodes all of whose faces meet in a vertex of many faces.
@@ -91,7 +94,32 @@ impl Bvh {
         self.levels[level + 1][node as usize / WIDTH].get(node as usize % WIDTH)
     }
 
-    /// One over the largest extent of the frame, in metres.
+    /// Whether some vertices of the frame are far from all others, so that boxes are to be trusted, but nothing else in
+    /// single precision that [`is_far`](Self::is_far) tells.
+    #[inline(always)]
+    pub(crate) fn has_far(&self) -> bool {
+        self.has_far
+    }
+
+    /// Whether a vertex is far from all others.
+    #[inline(always)]
+    pub(crate) fn is_far(&self, vertex: u32) -> bool {
+        is_far(self.points_f32[vertex as usize])
+    }
+
+    /// One bit for each of eight lanes in which there is a far vertex, by rows of vertices.
+    #[inline(always)]
+    pub(crate) fn far_lanes<'a>(&self, rows: impl Iterator<Item = &'a [u32; WIDTH]>) -> u32 {
+        let mut far = 0;
+        for row in rows {
+            for (lane, &vertex) in row.iter().enumerate() {
+                far |= u32::from(self.is_far(vertex)) << lane;
+            }
+        }
+        far
+    }
+
+    /// One over the largest extent of the frame, in metres; far vertices aside.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }

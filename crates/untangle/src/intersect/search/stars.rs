@@ -35,6 +35,9 @@ impl Task for Search<'_, VertexStars> {
             if at < batches.len() {
                 let rings = one_rings.batch(batches.start + at);
                 let mut open = !injective_mask_x8(simd.f32x8(), points, &rings) & 0xff;
+                if self.bvh.has_far() {
+                    open |= self.bvh.far_lanes(rings.around.iter().chain([rings.centres]));
+                }
                 while open != 0 {
                     self.test_unless_injective(rings.numbers[open.trailing_zeros() as usize]);
                     open &= open - 1;

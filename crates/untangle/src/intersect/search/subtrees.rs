@@ -84,6 +84,9 @@ impl Search<'_, SubtreePairs<'_>> {
             // The other lanes keep what earlier pairs left there.
             let unused = 0xff & (0xff << num_pairs);
             let mut open = !separated_mask_x8(simd.f32x8(), self.bvh.points_f32(), &corners, unused) & 0xff;
+            if self.bvh.has_far() {
+                open |= self.bvh.far_lanes(corners.iter().flatten()) & !unused & 0xff;
+            }
             while open != 0 {
                 pairs[num_kept] = pairs[first + open.trailing_zeros() as usize];
                 open &= open - 1;

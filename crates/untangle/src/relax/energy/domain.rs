@@ -17,7 +17,7 @@ pub(crate) struct Domain {
     /// Memory of [`Domain::grow`].
     free: Vec<VertexId>,
     /// The order of elimination of the first factorisation over this domain: all others have the same pattern.
-    order: OnceLock<Option<Vec<usize>>>,
+    order: OnceLock<Vec<usize>>,
 }
 
 impl Domain {
@@ -68,7 +68,7 @@ impl Domain {
     pub(crate) fn factorise(&self, matrix: &SparseSymmetric) -> Option<Cholesky> {
         let order = self.order.get_or_init(|| Cholesky::order_of(matrix));
         let mut factor = Cholesky::default();
-        factor.factorise_in_order(matrix, order.as_ref()?).then_some(factor)
+        factor.factorise_in_order(matrix, order).then_some(factor)
     }
 }
 
