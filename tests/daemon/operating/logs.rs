@@ -75,7 +75,11 @@ fn daemon_whose_log_nobody_reads_serves_and_ends_in_order() {
 #[test]
 fn daemon_ends_in_order_when_its_terminal_is_closed() {
     let domain = TestDomain::new();
-    let (daemon, _log) = Served::start(serve(&domain));
+    let program = serve(&domain);
+    // These tests may run under `nohup` themselves, and what is ignored is inherited.
+    let mut command = Command::new("env");
+    command.arg("--default-signal=HUP").arg(program.get_program()).args(program.get_args());
+    let (daemon, _log) = Served::start(command);
     exchange(&domain, 1);
     assert_eq!(daemon.stop(Signal::HUP).code(), Some(0));
     domain.assert_nothing_left();

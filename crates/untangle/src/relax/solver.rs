@@ -22,6 +22,9 @@ use crate::{
     settings::InsideChoice,
 };
 
+/// A tangle of less than this part of another is far less.
+const FAR_LESS: f64 = 0.1;
+
 /// See [`relax`](super::relax).
 pub(super) fn run(
     mesh: &Mesh,
@@ -48,7 +51,7 @@ pub(super) fn run(
                 let stall = StallCriterion::with(largest.num_edge_face, pace);
                 resolve(&mut relaxer, objective, pace, stall, &mut best, progress)?
             }
-            Plan::Flatten => flatten(&mut relaxer, &mut best, progress)?,
+            Plan::Flatten => flatten_if_it_pays(&mut relaxer, &mut best, progress)?,
         };
         if end != End::Stuck {
             break;
@@ -70,6 +73,21 @@ pub(super) fn run(
     };
     let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
+}
+
+/// Flattening moves everything. What it leaves is kept only where it is clean, or far less tangled than the best state
+/// that is nearer to the input.
+fn flatten_if_it_pays(
+    relaxer: &mut Relaxer<'_>,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<End, RelaxError> {
+    let mut flattened = BestState { merit: best.merit, positions: best.positions.clone() };
+    let end = flatten(relaxer, &mut flattened, progress)?;
+    if end == End::Clean || flattened.merit < FAR_LESS * best.merit {
+        *best = flattened;
+    }
+    Ok(end)
 }
 
 /// Whether most of what intersects meets pinned faces: a body that stays. The shortest motion out of it may lead
