@@ -1,4 +1,4 @@
-//! Mesh files as one world, and what can be wrong with them.
+//! Mesh files as one world, what can be wrong with them, and their analysis.
 
 use std::{
     fs,
@@ -9,8 +9,12 @@ use std::{
 use thiserror::Error;
 
 use untangle::{
+    analysis::{Analyser, Analysis},
     frame::{Frame, FrameError},
+    intersect::SearchEnd,
     mesh::{Mesh, MeshError, VertexId},
+    settings::Settings,
+    stage::StageObserver,
     weld::{Weld, WeldError},
 };
 use untangled_mesh_io::{FileFormat, MeshFile, ReadError, ReadErrorKind, World, concatenate, read_mesh};
@@ -156,5 +160,28 @@ pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     match (fs::metadata(a), fs::metadata(b)) {
         (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
         _ => false,
+    }
+}
+
+/// Most pairs of triangles that may intersect, where the user gives no limit: they take about two gigabytes.
+pub(super) const MAX_FACE_PAIRS: u64 = 4_000_000;
+
+/// Analyses files, unless more than `max_face_pairs` of their triangles intersect. However many boxes overlap, there is
+/// no limit of time: a person or a script is there to end it.
+pub(super) fn analyse_within(
+    files: &[PathBuf],
+    Input { mesh, frame, .. }: &Input,
+    max_face_pairs: u64,
+    observer: &mut dyn StageObserver,
+) -> Result<Analysis, InputError> {
+    let (max_face_pairs, max_tested_pairs) = (Some(max_face_pairs), Some(u64::MAX));
+    let settings = Settings { max_face_pairs, max_tested_pairs, ..Settings::default() };
+    let mut analyser = Analyser::default();
+    let analysis = analyser.analyse(mesh, frame, &settings, observer).clone();
+    match analyser.search_end() {
+        SearchEnd::Complete => Ok(analysis),
+        SearchEnd::TooManyPairs | SearchEnd::OutOfTime => {
+            Err(InputError::TooManyFacePairs { files: names(files), limit: max_face_pairs.unwrap_or_default() })
+        }
     }
 }

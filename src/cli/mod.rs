@@ -8,7 +8,6 @@
 //! | `input` | mesh files as one world, for `check` and `fix` |
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
-//! | `limit` | their analysis, unless too much intersects |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -18,7 +17,6 @@ mod config;
 pub mod demo;
 pub mod fix;
 pub mod input;
-mod limit;
 mod outcome;
 mod owners;
 pub mod picture;

@@ -24,8 +24,7 @@ use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
     certificate::Certificate,
-    input::{self, Input, InputError, is_same_file},
-    limit::{MAX_FACE_PAIRS, analyse_within},
+    input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
     weld::WeldArg,

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{limit::MAX_FACE_PAIRS, weld::WeldArg};
+use crate::cli::{input::MAX_FACE_PAIRS, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///

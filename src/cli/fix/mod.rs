@@ -36,8 +36,7 @@ pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
     certificate::Certificate,
-    input::{self, Input},
-    limit::analyse_within,
+    input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
 };

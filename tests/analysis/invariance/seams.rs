@@ -24,7 +24,8 @@ fn assert_weld_undoes_splits(name: &str, faces: &[[u32; 3]], positions: &[[f64; 
         let split = split_at_edges(faces, positions, part, seed);
         let description = describe(&split.faces, &split.positions);
         let weld = Weld::find(&description, &split.positions, &[], 0.0).unwrap();
-        assert!(weld.num_merged() > 0, "{name}: nothing was cut");
+        // A cut at few edges of a small mesh may part no vertex.
+        assert!(part < 1.0 || weld.num_merged() > 0, "{name}: nothing was cut");
         assert!(weld.describe(&description).faces == expected.faces, "{name}: {part} of its edges cut");
         assert!(weld.gather(&split.positions) == places, "{name}: {part} of its edges cut");
     }

@@ -14,9 +14,9 @@
 //! - an edge without length joins them, and to contract it leaves the cloth what it was (link condition);
 //! - one of them is used by no face: it goes with the first vertex in its place that is.
 //!
-//! The two sides of a double-sided cloth so stay what their faces say: they are joined along their hems only, where both
-//! end. Sheets that touch in single points, or cross through common places, stay apart. Nothing is welded across parts
-//! (files): they are pieces of their own.
+//! The two sides of a double-sided cloth so stay what their faces say: they are joined along their hems only, where
+//! both end. Sheets that touch in single points, or cross through common places, stay apart. Nothing is welded across
+//! parts (files): they are pieces of their own.
 //!
 //! | file | purpose |
 //! |---|---|

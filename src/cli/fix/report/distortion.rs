@@ -24,8 +24,8 @@ pub struct Distortion {
 }
 
 impl Distortion {
-    /// Compares the positions of an input with those `after`, `num_vertices x 3` in metres. Edges without length before have no stretch and are left
-    /// out; without any edge the stretch is 1.
+    /// Compares the positions of an input with those `after`, `num_vertices x 3` in metres. Edges without length before
+    /// have no stretch and are left out; without any edge the stretch is 1.
     pub(in crate::cli) fn new(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Self {
         let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
         let (mut largest, mut sum) = (0.0f64, 0.0);

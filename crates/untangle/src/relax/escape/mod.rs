@@ -16,8 +16,6 @@ mod descent;
 mod limits;
 mod motion;
 mod rows;
-#[cfg(test)]
-mod samples;
 mod score;
 mod settle;
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::{
     analysis::analyse,
     frame::Frame,
     mesh::Mesh,
-    relax::{constraints::Orientation, escape::samples::Pieces},
+    relax::{constraints::Orientation, escape::tests::samples::Pieces},
 };
 
 /// The motions of all contours of a scene.

@@ -1,11 +1,13 @@
+pub(super) mod samples;
+
 use std::ops::ControlFlow;
 
-use super::samples::Pieces;
 use crate::{
     analysis::analyse,
     frame::Frame,
     relax::{Method, RelaxSettings, Relaxation, relax},
 };
+use samples::Pieces;
 
 /// Relaxes pieces, which have to come clean by local motions alone.
 fn relaxed(pieces: &Pieces) -> Relaxation {
