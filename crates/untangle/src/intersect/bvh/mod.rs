@@ -28,4 +28,5 @@ mod within_margin;
 pub(crate) use aabb::WIDTH;
 pub(crate) use adjacency::MAX_ADJACENT_FACES;
 pub(crate) use refit::POINT_F32_ERROR;
-pub(crate) use tree::{Bvh, NodePair, PointF32};
+pub(crate) use single_map::PointF32;
+pub(crate) use tree::{Bvh, NodePair};

@@ -12,8 +12,8 @@ use crate::{frame::Frame, mesh::VertexId};
 /// Least number of nodes that one thread takes at a time.
 const MIN_NODES_PER_TASK: usize = 256;
 
-/// Coordinates in single precision are at most one half, those of [far](Bvh::is_far) vertices aside, and at most this far from where the map without rounding would
-/// take them: twice the roundoff of the conversion.
+/// Coordinates in single precision are at most one half, those of [far](Bvh::is_far) vertices aside, and at most this
+/// far from where the map without rounding would take them: twice the roundoff of the conversion.
 pub(crate) const POINT_F32_ERROR: f64 = 0.25 * f32::EPSILON as f64;
 
 impl Bvh {

@@ -3,7 +3,8 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-use super::tree::PointF32;
+/// A vertex after the map; the fourth component makes a point one load, and marks one that is far.
+pub(crate) type PointF32 = [f32; 4];
 
 /// Least number of vertices that one thread takes at a time.
 const MIN_VERTICES_PER_TASK: usize = 4096;

@@ -5,15 +5,12 @@ use super::{
     adjacency::LeafAdjacency,
     build::sort_by_median_splits,
     hubs::{Hubs, group_by_hub},
-    single_map::is_far,
+    single_map::{PointF32, is_far},
 };
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, MeshIdentity, VertexId},
 };
-
-/// A vertex after the map into single precision; the fourth component makes a point one load, and marks one that is far.
-pub(crate) type PointF32 = [f32; 4];
 
 /// A pair of nodes of one level whose subtrees are to be traversed against each other.
 #[derive(Clone, Copy, Debug)]
