@@ -163,7 +163,8 @@ pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Most pairs of triangles that may intersect, where the user gives no limit: they take about two gigabytes.
+/// Most pairs of triangles that may intersect, where the user gives no limit: they take about three gigabytes, up to
+/// eight where each is a path of its own.
 pub(super) const MAX_FACE_PAIRS: u64 = 4_000_000;
 
 /// Analyses files, unless more than `max_face_pairs` of their triangles intersect. However many boxes overlap, there is

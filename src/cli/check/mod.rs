@@ -59,7 +59,7 @@ pub struct CheckArgs {
     /// none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
-    /// End with an error where more pairs of triangles intersect: a million takes half a gigabyte
+    /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
 }

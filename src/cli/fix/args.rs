@@ -40,7 +40,8 @@ pub struct FixArgs {
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
-    /// End with an error, and write nothing, where more pairs of triangles intersect: a million takes half a gigabyte
+    /// End with an error, and write nothing, where more pairs of triangles intersect: a million takes up to two
+    /// gigabytes
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
     /// End the untangling so many seconds after the start, and write the best state found until then

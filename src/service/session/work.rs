@@ -190,15 +190,11 @@ fn log_frame(session: u64, header: &CorrectionHeader) {
     } else if header.status != Status::Ok.code() {
         static REFUSED: Throttle = Throttle::new();
         if let Some(num_suppressed) = REFUSED.admit() {
-            tracing::info!(
-                session,
-                frame = header.frame,
-                status = header.status,
-                index = header.fault_index,
-                value = header.fault_value,
-                num_suppressed,
-                "frame refused"
-            );
+            let why = Status::from_code(header.status).map_or("unknown", Status::words);
+            // Left out where no vertex is at fault.
+            let vertex = Some(header.fault_index).filter(|&index| index != NO_FAULT);
+            let (frame, value) = (header.frame, header.fault_value);
+            tracing::info!(session, frame, why, vertex, value, num_suppressed, "frame refused");
         }
     }
     tracing::debug!(

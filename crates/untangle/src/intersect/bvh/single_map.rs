@@ -3,8 +3,7 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// A vertex after the map into single precision; the fourth component makes a point one load, and marks one that is
-/// far.
+/// A vertex after the map; the fourth component makes a point one load, and marks one that is far.
 pub(crate) type PointF32 = [f32; 4];
 
 /// Least number of vertices that one thread takes at a time.

@@ -3,11 +3,13 @@
 //! A node is a variable, which stands for one row or several with the same entries, or an element: a variable that was
 //! eliminated, with the variables that it met, all of which meet each other now.
 
-use super::{NONE, queue::DegreeQueue};
+use super::queue::DegreeQueue;
+
+const NONE: usize = usize::MAX;
 
 /// A row with more entries than this times the root of the number of rows goes last (Amestoy, Davis and Duff 2004): it
 /// would make each elimination slow, and hardly changes what is filled.
-const DENSE: f64 = 10.0;
+const DENSE: usize = 10;
 const DENSE_AT_LEAST: usize = 16;
 
 /// The graph; all lists by node, which has the number of its row.
@@ -45,7 +47,7 @@ impl QuotientGraph {
     /// Begins with the entries of a matrix, column by column.
     pub(super) fn start(&mut self, starts: &[usize], rows: &[usize]) {
         let size = starts.len() - 1;
-        let dense = DENSE_AT_LEAST.max((DENSE * (size as f64).sqrt()) as usize);
+        let dense = DENSE_AT_LEAST.max(DENSE * size.isqrt());
         let fill = |list: &mut Vec<usize>, value: usize| {
             list.clear();
             list.resize(size, value);
@@ -185,8 +187,8 @@ impl QuotientGraph {
         }
     }
 
-    /// Takes out of the list of a variable of the pivot what the pivot stands for now, and finds the number of rows that
-    /// it meets elsewhere. One that meets nothing else is eliminated with the pivot.
+    /// Takes out of the list of a variable of the pivot what the pivot stands for now, and finds the number of rows
+    /// that it meets elsewhere. One that meets nothing else is eliminated with the pivot.
     fn shorten(&mut self, variable: usize, pivot: usize) {
         let (start, elements, end) = self.ranges(variable);
         let (mut kept, mut degree, mut sum) = (start, 0, 0);

@@ -1,6 +1,6 @@
 //! Rows by degree: a list for each degree, the latest row first.
 
-use super::NONE;
+const NONE: usize = usize::MAX;
 
 /// Rows in doubly linked lists, one for each degree.
 #[derive(Debug, Default)]

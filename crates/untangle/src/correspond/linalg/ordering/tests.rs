@@ -91,7 +91,6 @@ fn minimum_degree_of_sheets_fills_no_more_than_that_of_a_library() {
             sums = [sums[0] + fills[0], sums[1] + fills[1]];
         }
     }
-    println!("{sums:?}");
     assert!(sums[0] as f64 <= 1.1 * sums[1] as f64, "{sums:?}");
 }
 
