@@ -23,8 +23,8 @@ create_exception!(
     Missed,
     Error,
     "No correction for this frame: it did not come in time, the daemon ended the frame at a limit of time or of \
-     intersections, or it went away or on to a newer frame. Go on without it; the next frame tries again, and registers \
-     again by itself."
+     intersections, or it went away or on to a newer frame. Go on without it; the next frame tries again, and \
+     registers again by itself."
 );
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {

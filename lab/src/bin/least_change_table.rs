@@ -96,7 +96,7 @@ fn displacements(before: &[[f64; 3]], after: &[[f64; 3]]) -> [f64; 3] {
         let length = (Point3::from(*b) - Point3::from(*a)).norm();
         sum += length;
         most = most.max(length);
-        moved += if a == b { 0.0 } else { 1.0 };
+        moved += if a.map(f64::to_bits) == b.map(f64::to_bits) { 0.0 } else { 1.0 };
         count += 1.0;
     }
     [sum / count / diagonal, most / diagonal, moved / count].map(|part| 100.0 * part)

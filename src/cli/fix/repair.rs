@@ -195,7 +195,7 @@ impl Repair<'_> {
         let was_clean = is_clean(&view.mesh, &relaxation.positions)?;
         for ((position, start), seen) in relaxation.positions.iter_mut().zip(&welded).zip(&seen) {
             // A reader may see rounded positions, or tiny ones as zero. What did not move keeps its bits.
-            if position == seen {
+            if position.map(f64::to_bits) == seen.map(f64::to_bits) {
                 *position = *start;
             }
         }

@@ -35,8 +35,8 @@ pub fn split_at_edges(faces: &[[u32; 3]], positions: &[[f64; 3]], part: f64, see
             continue;
         }
         for pair in slots.windows(2) {
-            for end in 0..2 {
-                let [a, b] = [pair[0][end], pair[1][end]].map(|slot| root(&parent, slot));
+            for (&first, &second) in pair[0].iter().zip(&pair[1]) {
+                let [a, b] = [first, second].map(|slot| root(&parent, slot));
                 parent[a.max(b)] = a.min(b);
             }
         }
