@@ -28,8 +28,8 @@ fn printed() -> Vec<Vec<u8>> {
     blocks.map(|block| block.lines().flat_map(line).collect()).collect()
 }
 
-#[test]
-fn exchange_of_the_page_has_the_bytes_that_are_written() {
+/// The registration of the page: its header and its payload.
+fn registration() -> (RequestHeader, Vec<u8>) {
     let params = RegisterParams {
         num_vertices: 3,
         precision: Precision::F32 as u32,
@@ -41,13 +41,19 @@ fn exchange_of_the_page_has_the_bytes_that_are_written() {
         .u32s(id::TRIANGLES, &[[0, 1, 2]])
         .bytes(id::SETTINGS, br#"{"quality":"fast"}"#.to_vec())
         .finish();
-    let request = RequestHeader {
+    let header = RequestHeader {
         protocol_version: PROTOCOL_VERSION,
         kind: RequestKind::Register as u32,
         num_sections,
         token: TOKEN,
         ..RequestHeader::default()
     };
+    (header, payload)
+}
+
+#[test]
+fn exchange_of_the_page_has_the_bytes_that_are_written() {
+    let (request, payload) = registration();
     let reply = ReplyHeader {
         protocol_version: PROTOCOL_VERSION,
         status: Status::Ok.code(),

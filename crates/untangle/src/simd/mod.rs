@@ -1,7 +1,7 @@
 //! SIMD arithmetic: operations on vectors of lanes, written once and compiled for each instruction set.
 //!
-//! An algorithm is generic over [`Lanes`] (what one lane can do) or over an [`InstructionSet`] (which vectors there
-//! are), and [`dispatch`] runs it with the best set of the processor. All sets do the same IEEE operations in the same
+//! An algorithm is generic over `Lanes` (what one lane can do) or over an `InstructionSet` (which vectors there
+//! are), and `dispatch` runs it with the best set of the processor. All sets do the same IEEE operations in the same
 //! order, none of them fused, so that they give the same bits.
 //!
 //! The whole library keeps to this: no kernel of another crate that chooses instructions by the processor takes part in
