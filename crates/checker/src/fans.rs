@@ -5,7 +5,8 @@ use crate::{
     crossing::triangles_cross,
     primitive::Point,
     surface::{MOST_PAIRS, num_common},
-    tree_of, validate,
+    tree::Tree,
+    validate,
 };
 
 /// Most corners of a polygon whose fans are all tried; of a larger one only that of its first corner is.
@@ -49,7 +50,7 @@ pub fn fan_crossings<'a>(
     validate(positions, &triangles)?;
     let corners = |triangle: u32| triangles[triangle as usize].map(|vertex| positions[vertex as usize]);
     let mut pairs = Vec::new();
-    tree_of(positions, &triangles).pairs(&mut |first, second| {
+    Tree::new(positions, &triangles).pairs(&mut |first, second| {
         let [a, b] = [first, second].map(|index| &candidates[index as usize]);
         let coexist = a.polygon != b.polygon || a.ways & b.ways != 0;
         if coexist && num_common(triangles[first as usize], triangles[second as usize]) < 2 {

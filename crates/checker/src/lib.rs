@@ -25,7 +25,7 @@ pub use fans::{PolygonRef, fan_crossings};
 pub use primitive::Point;
 pub use surface::{Crossings, crossings};
 
-use tree::{Extent, Tree};
+use tree::Tree;
 
 /// A cloth that can't be judged.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -86,7 +86,7 @@ pub fn edge_face_hits(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Vec
             }
         }
     };
-    tree_of(positions, triangles).pairs(&mut |first, second| {
+    Tree::new(positions, triangles).pairs(&mut |first, second| {
         test(first, second);
         test(second, first);
         true
@@ -95,12 +95,6 @@ pub fn edge_face_hits(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Vec
     hits.sort_unstable();
     hits.dedup();
     Ok(hits)
-}
-
-/// The tree of the boxes of all triangles.
-fn tree_of(positions: &[Point], triangles: &[[u32; 3]]) -> Tree {
-    let extent = |triangle: &[u32; 3]| Extent::of(triangle.map(|vertex| positions[vertex as usize]));
-    Tree::new(triangles.iter().map(extent).collect())
 }
 
 /// Pairs of triangles that an edge-face hit makes touch or cross, lower index first, ascending. Pairs that share one

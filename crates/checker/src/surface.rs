@@ -4,7 +4,8 @@ use crate::{
     CheckError,
     crossing::{alternate, interiors_cross, overlap, runs_through, sides, tip_of_edge_in_plane},
     primitive::{Point, Sign},
-    tree_of, validate,
+    tree::Tree,
+    validate,
 };
 
 /// Most pairs that are listed: a cloth that crosses itself more often is not repaired by looking at a list.
@@ -30,7 +31,7 @@ pub fn crossings(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Crossing
     validate(positions, triangles)?;
     let surface = Surface::new(positions, triangles);
     let mut pairs = Vec::new();
-    tree_of(positions, triangles).pairs(&mut |first, second| {
+    Tree::new(positions, triangles).pairs(&mut |first, second| {
         if surface.cross(first, second) {
             pairs.push([first, second]);
         }

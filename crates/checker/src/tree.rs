@@ -1,4 +1,8 @@
 //! Pairs of triangles whose boxes overlap, from a tree of boxes.
+//!
+//! The boxes of all triangles round one vertex overlap in it. Two of these meet beyond that vertex only where the side
+//! opposite to it of one meets the other, so that round a vertex of many triangles, a *hub*, boxes of opposite sides
+//! are compared with boxes of triangles.
 
 use crate::primitive::Point;
 
@@ -36,10 +40,57 @@ impl Extent {
 /// Most triangles of a leaf.
 const LEAF: usize = 4;
 
+/// The hub of triangles that have none in common.
+const NO_HUB: u32 = u32::MAX;
+/// A vertex of more triangles is a hub.
+const MANY: u32 = 64;
+
+/// What the tree knows of one triangle, or of all of a node.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    extent: Extent,
+    /// The common hub, or [`NO_HUB`].
+    hub: u32,
+    /// The box of the sides opposite to the hub.
+    opposite: Extent,
+}
+
+impl Bounds {
+    fn join(&self, other: &Self) -> Self {
+        let hub = if self.hub == other.hub { self.hub } else { NO_HUB };
+        Self { extent: self.extent.join(&other.extent), hub, opposite: self.opposite.join(&other.opposite) }
+    }
+
+    /// Whether some triangles of the two may meet beyond a common hub.
+    fn may_meet(&self, other: &Self) -> bool {
+        self.extent.overlaps(&other.extent)
+            && (self.hub == NO_HUB
+                || self.hub != other.hub
+                || self.opposite.overlaps(&other.extent)
+                || other.opposite.overlaps(&self.extent))
+    }
+}
+
+/// The bounds of all triangles.
+fn bounds_of(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<Bounds> {
+    let mut num_triangles = vec![0_u32; positions.len()];
+    for &vertex in triangles.iter().flatten() {
+        num_triangles[vertex as usize] += 1;
+    }
+    let bounds = |triangle: &[u32; 3]| {
+        let place = |vertex: &u32| positions[*vertex as usize];
+        let hub = triangle.iter().copied().filter(|&vertex| num_triangles[vertex as usize] > MANY).min();
+        let hub = hub.unwrap_or(NO_HUB);
+        let opposite = Extent::of(triangle.iter().filter(|&&vertex| vertex != hub).map(place));
+        Bounds { extent: Extent::of(triangle.iter().map(place)), hub, opposite }
+    };
+    triangles.iter().map(bounds).collect()
+}
+
 /// A tree of boxes over triangles, split in the middle of their order along the longest axis.
 #[derive(Debug)]
 pub(crate) struct Tree {
-    extents: Vec<Extent>,
+    bounds: Vec<Bounds>,
     /// The triangles in the order of the leaves.
     order: Vec<u32>,
     nodes: Vec<Node>,
@@ -47,7 +98,7 @@ pub(crate) struct Tree {
 
 #[derive(Debug)]
 struct Node {
-    extent: Extent,
+    bounds: Bounds,
     /// Its triangles in `order`.
     start: usize,
     end: usize,
@@ -56,28 +107,31 @@ struct Node {
 }
 
 impl Tree {
-    pub(crate) fn new(extents: Vec<Extent>) -> Self {
-        let order = (0..u32::try_from(extents.len()).unwrap_or(u32::MAX)).collect();
-        let mut tree = Self { extents, order, nodes: Vec::new() };
-        tree.build(0, tree.order.len());
+    /// The tree of valid triangles.
+    pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
+        let order = (0..u32::try_from(triangles.len()).unwrap_or(u32::MAX)).collect();
+        let mut tree = Self { bounds: bounds_of(positions, triangles), order, nodes: Vec::new() };
+        if !triangles.is_empty() {
+            tree.build(0, tree.order.len());
+        }
         tree
     }
 
     fn build(&mut self, start: usize, end: usize) {
-        let Self { extents, order, nodes } = self;
-        let own = order[start..end].iter().map(|&triangle| extents[triangle as usize]);
-        let extent = own.reduce(|a, b| a.join(&b)).unwrap_or_else(|| Extent::of([]));
+        let Self { bounds: all, order, nodes } = self;
+        let first = all[order[start] as usize];
+        let bounds = order[start + 1..end].iter().fold(first, |sum, &triangle| sum.join(&all[triangle as usize]));
         let node = nodes.len();
-        nodes.push(Node { extent, start, end, second: None });
+        nodes.push(Node { bounds, start, end, second: None });
         if end - start <= LEAF {
             return;
         }
-        let length = |axis: usize| extent.high[axis] - extent.low[axis];
+        let length = |axis: usize| bounds.extent.high[axis] - bounds.extent.low[axis];
         let axis = (1..3).fold(0, |best, axis| if length(axis) > length(best) { axis } else { best });
         let middle = start.midpoint(end);
         // Halves first, so that no sum overflows.
         let centre = |triangle: u32| {
-            let Extent { low, high } = extents[triangle as usize];
+            let Extent { low, high } = all[triangle as usize].extent;
             0.5 * low[axis] + 0.5 * high[axis]
         };
         order[start..end]
@@ -87,7 +141,8 @@ impl Tree {
         self.build(middle, end);
     }
 
-    /// Calls `visit` for each pair of triangles whose boxes overlap, the lower one first, until it returns false.
+    /// Calls `visit` for each pair of triangles whose boxes overlap, the lower one first, until it returns false. Pairs
+    /// that can only meet in a common hub are left out.
     pub(crate) fn pairs(&self, visit: &mut dyn FnMut(u32, u32) -> bool) {
         if !self.nodes.is_empty() {
             self.pairs_of(0, 0, visit);
@@ -97,7 +152,7 @@ impl Tree {
     /// The pairs of two nodes; false if `visit` ended it.
     fn pairs_of(&self, a: usize, b: usize, visit: &mut dyn FnMut(u32, u32) -> bool) -> bool {
         let [first, second] = [a, b].map(|node| &self.nodes[node]);
-        if !first.extent.overlaps(&second.extent) {
+        if !first.bounds.may_meet(&second.bounds) {
             return true;
         }
         match (first.second, second.second) {
@@ -120,7 +175,7 @@ impl Tree {
             let from = if first.start == second.start { at + 1 } else { second.start };
             for &other in &self.order[from..second.end] {
                 let own = self.order[at];
-                if self.extents[own as usize].overlaps(&self.extents[other as usize])
+                if self.bounds[own as usize].may_meet(&self.bounds[other as usize])
                     && !visit(own.min(other), own.max(other))
                 {
                     return false;

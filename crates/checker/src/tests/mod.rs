@@ -1,2 +1,3 @@
 mod crossing;
 mod hits;
+mod hubs;

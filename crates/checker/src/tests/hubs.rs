@@ -1,0 +1,52 @@
+//! Vertices of many triangles.
+
+use std::f64::consts::TAU;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{Point, crossings, edge_face_hits, tree::Tree};
+
+/// Triangles round vertex 0, one beside the other, in so many turns about the vertical axis.
+fn wheel(num: u32, turns: f64, mut place: impl FnMut(f64) -> Point) -> (Vec<Point>, Vec<[u32; 3]>) {
+    let rim = (0..=num).map(|k| place(TAU * turns * f64::from(k) / f64::from(num)));
+    let positions = std::iter::once([0.0; 3]).chain(rim).collect();
+    (positions, (1..=num).map(|k| [0, k, k + 1]).collect())
+}
+
+#[test]
+fn crossings_round_a_hub_are_those_of_all_pairs() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let (positions, triangles) = wheel(150, 2.0, |angle| {
+        let radius = rng.random_range(0.5..1.5);
+        [radius * angle.cos(), radius * angle.sin(), rng.random_range(-0.2..0.2)]
+    });
+    let alone = |i: usize, j: usize| [triangles[i], triangles[j]];
+    let all_pairs = (0..triangles.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+    let (mut pairs, mut num_hits) = (Vec::new(), 0);
+    for (i, j) in all_pairs {
+        if !crossings(&positions, &alone(i, j)).unwrap().pairs.is_empty() {
+            pairs.push([u32::try_from(i).unwrap(), u32::try_from(j).unwrap()]);
+        }
+        num_hits += edge_face_hits(&positions, &alone(i, j)).unwrap().len();
+    }
+    pairs.sort_unstable();
+    assert!(pairs.len() > 20, "{}", pairs.len());
+    assert_eq!(crossings(&positions, &triangles).unwrap().pairs, pairs);
+    // No two triangles have the side opposite to the hub in common, so that no hit is found twice.
+    assert_eq!(edge_face_hits(&positions, &triangles).unwrap().len(), num_hits);
+}
+
+#[test]
+fn pairs_round_a_hub_are_few() {
+    for height in [0.0, 0.3] {
+        let place = |angle: f64| [angle.cos(), angle.sin(), height * (7.0 * angle).sin()];
+        let (positions, triangles) = wheel(20_000, 1.0, place);
+        let mut num = 0;
+        Tree::new(&positions, &triangles).pairs(&mut |_, _| {
+            num += 1;
+            true
+        });
+        assert!(num < 20 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
+    }
+}
