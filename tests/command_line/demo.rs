@@ -69,3 +69,17 @@ fn demo_of_a_file_that_is_no_mesh_is_refused_with_its_line() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("broken.obj:2: "), "{said}");
 }
+
+#[test]
+fn demo_without_control_shows_the_untangling_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(untangled())
+        .args(["demo", "--no-control", "--frames", "100", "--out"])
+        .arg(folder.path())
+        .args(["--", "--scene", "crease", "--edge-m", "0.04"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!said.contains("Control"), "{said}");
+}

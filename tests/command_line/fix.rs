@@ -123,3 +123,24 @@ fn fix_when_interrupted_writes_nothing() {
         assert_eq!(names(path), before);
     }
 }
+
+#[test]
+fn fix_ends_at_its_limits_of_iterations_and_of_time() {
+    let folder = folder();
+    let path = folder.path();
+    let inputs = ["square.obj", "spike.obj", "-o", "out.obj", "--json", "--overwrite"];
+    let with = |more: &[&str]| fix(&[&inputs, more].concat(), path);
+    let output = with(&["--max-iterations", "0"]);
+    let report = json(&output);
+    assert_eq!((code(&output), &report["num_iterations"], &report["clean"]), (1, &0.into(), &false.into()));
+    let output = with(&["--time-limit", "1e-9"]);
+    let report = json(&output);
+    assert_eq!((code(&output), &report["time_limit_reached"], &report["clean"]), (1, &true.into(), &false.into()));
+    let report = json(&with(&["--time-limit", "3600"]));
+    assert_eq!((&report["time_limit_reached"], &report["clean"]), (&false.into(), &true.into()));
+    for wrong in ["-1", "nan", "soon"] {
+        let output = with(&["--time-limit", wrong]);
+        assert_eq!(code(&output), 2, "{wrong}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("--time-limit"), "{output:?}");
+    }
+}

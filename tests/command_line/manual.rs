@@ -11,6 +11,8 @@ use std::{
 use untangle::settings::Settings;
 use untangled::config::Config;
 
+use crate::mesh_folder::command;
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
@@ -216,4 +218,17 @@ fn links_of_all_pages_resolve() {
         }
     }
     assert!(broken.is_empty(), "links that lead nowhere:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn config_with_a_file_prints_what_the_file_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("mine.toml"), "domain = \"atelier\"\n[settings]\npath_rings = 5\n").unwrap();
+    let run = |file: &str| command("config", path).args(["--config", file]).output().unwrap();
+    let printed = String::from_utf8(run("mine.toml").stdout).unwrap();
+    assert!(printed.contains("domain = \"atelier\"") && printed.contains("path_rings = 5"), "{printed}");
+    let output = run("none.toml");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("none.toml"));
 }

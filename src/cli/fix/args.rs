@@ -45,7 +45,7 @@ pub struct FixArgs {
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
     /// End the untangling so many seconds after the start, and write the best state found until then
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time_limit: Option<Duration>,
     /// Time against result
     #[arg(long, value_enum, default_value_t)]
