@@ -7,3 +7,4 @@ mod instruction_sets;
 mod momenta;
 mod numerics;
 mod relax;
+mod shells;
