@@ -7,7 +7,7 @@ use super::{
     escape::{descend, settle},
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
-    plan::{Largest, Pace, Plan, StallCriterion, is_beyond_trials, plans},
+    plan::{Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans},
     recovery::recover_shape,
     relaxer::{Progress, Relaxer},
     resolve::resolve,
@@ -153,7 +153,7 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
 
 /// The island that has most intersections, of those that were measured last.
 fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
-    let Relaxer { mesh, analyser, islands, now, .. } = relaxer;
+    let Relaxer { mesh, frame, analyser, islands, now, .. } = relaxer;
     let Analysis { intersections, paths, .. } = analyser.last();
     let island = (0..now.len()).rev().max_by_key(|&island| now[island].num_edge_face).unwrap_or(0);
     let is_here = |pair: &&PathPair| {
@@ -172,5 +172,6 @@ fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
         num_edge_face: now.get(island).map_or(0, |tangle| tangle.num_edge_face),
         num_pairs: paths.pairs.iter().filter(is_here).count(),
         flattenable,
+        is_copy: are_copies_in_one_place(mesh, frame, &intersections.segments),
     }
 }

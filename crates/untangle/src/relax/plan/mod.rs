@@ -1,5 +1,9 @@
 //! Which trial displacements are made, and in which order of plans.
 
+mod copies;
+
+pub(super) use copies::are_copies_in_one_place;
+
 use super::{constraints::Objective, settings::Effort, step::TrialSettings};
 use crate::settings::InsideChoice;
 
@@ -44,12 +48,14 @@ pub(super) struct Largest {
     pub(super) num_pairs: usize,
     /// The part of all edge-face intersections that a piece with a boundary has with itself: flattening resolves these.
     pub(super) flattenable: f64,
+    /// Whether most of what intersects is copies of one surface in nearly one place.
+    pub(super) is_copy: bool,
 }
 
 impl Largest {
     /// Whether it is so large, of so many paths, that trials hardly help: a crumple, or surfaces that nearly coincide.
     pub(super) fn is_crowded(self) -> bool {
-        is_beyond_trials(self.num_edge_face) && self.num_pairs > MAX_PATHS
+        self.is_copy && self.num_edge_face > LARGE || is_beyond_trials(self.num_edge_face) && self.num_pairs > MAX_PATHS
     }
 }
 
@@ -69,6 +75,10 @@ pub(super) fn plans(largest: Largest) -> Vec<Plan> {
     let others = [Objective::Normal, Objective::Target].map(|objective| resolve(objective, InsideChoice::Count));
     if largest.is_crowded() {
         let quick = Plan::Resolve { objective: Objective::Normal, inside: InsideChoice::Count, pace: Pace::Quick };
+        if largest.is_copy {
+            // Drawing whole pieces flat sets no copies apart.
+            return vec![quick];
+        }
         return if largest.flattenable > MOST { vec![Plan::Flatten, quick] } else { vec![quick, Plan::Flatten] };
     }
     let first =
@@ -149,7 +159,7 @@ mod tests {
     #[test]
     fn plans_of_larger_islands_flatten_earlier() {
         let place = |num_edge_face, num_pairs, flattenable| {
-            let largest = Largest { num_edge_face, num_pairs, flattenable };
+            let largest = Largest { num_edge_face, num_pairs, flattenable, is_copy: false };
             plans(largest).iter().position(|plan| matches!(plan, Plan::Flatten))
         };
         assert_eq!(place(10, 2, 1.0), Some(2));
