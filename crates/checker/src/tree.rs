@@ -1,8 +1,8 @@
 //! Pairs of triangles whose boxes overlap, from a tree of boxes.
 //!
-//! The boxes of all triangles round one vertex overlap in it. Two of these meet beyond that vertex only where the side
-//! opposite to it of one meets the other, so that round a vertex of many triangles, a *hub*, boxes of opposite sides
-//! are compared with boxes of triangles.
+//! The boxes of all triangles round one vertex overlap in it. Two of these meet beyond that vertex only along a ray
+//! from it, so that round a vertex of many triangles, a *hub*, boxes of the directions in which they lie are compared
+//! as well.
 
 use crate::primitive::Point;
 
@@ -51,24 +51,48 @@ struct Bounds {
     extent: Extent,
     /// The common hub, or [`NO_HUB`].
     hub: u32,
-    /// The box of the sides opposite to the hub.
-    opposite: Extent,
+    /// A box around the unit vectors from the hub to all points.
+    directions: Extent,
 }
 
 impl Bounds {
     fn join(&self, other: &Self) -> Self {
         let hub = if self.hub == other.hub { self.hub } else { NO_HUB };
-        Self { extent: self.extent.join(&other.extent), hub, opposite: self.opposite.join(&other.opposite) }
+        Self { extent: self.extent.join(&other.extent), hub, directions: self.directions.join(&other.directions) }
     }
 
     /// Whether some triangles of the two may meet beyond a common hub.
     fn may_meet(&self, other: &Self) -> bool {
         self.extent.overlaps(&other.extent)
-            && (self.hub == NO_HUB
-                || self.hub != other.hub
-                || self.opposite.overlaps(&other.extent)
-                || other.opposite.overlaps(&self.extent))
+            && (self.hub == NO_HUB || self.hub != other.hub || self.directions.overlaps(&other.directions))
     }
+}
+
+/// A box around all unit vectors.
+const ALL_DIRECTIONS: Extent = Extent { low: [-2.0; 3], high: [2.0; 3] };
+/// More than the rounding of a unit vector and of the steps after it.
+const ROUNDING: f64 = 1e-14;
+
+/// A box around the directions from a point to all others of a triangle.
+///
+/// They form an arc between those to the two other corners, which is nowhere farther from its chord of length c than
+/// c^2 / 4. What can't be computed well lies in any direction.
+fn directions(from: Point, a: Point, b: Point) -> Extent {
+    let unit = |to: Point| {
+        let offset: Point = std::array::from_fn(|axis| to[axis] - from[axis]);
+        // Scaled first, so that no square is too large or too small.
+        let largest = offset.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let scaled = offset.map(|value| value / largest);
+        let length = scaled.iter().map(|value| value * value).sum::<f64>().sqrt();
+        scaled.map(|value| value / length)
+    };
+    let [a, b] = [a, b].map(unit);
+    let room = (0..3).map(|axis| (b[axis] - a[axis]).powi(2)).sum::<f64>() / 4.0 + ROUNDING;
+    if !room.is_finite() {
+        return ALL_DIRECTIONS;
+    }
+    let Extent { low, high } = Extent::of([a, b]);
+    Extent { low: low.map(|value| value - room), high: high.map(|value| value + room) }
 }
 
 /// The bounds of all triangles.
@@ -81,13 +105,17 @@ fn bounds_of(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<Bounds> {
         let place = |vertex: &u32| positions[*vertex as usize];
         let hub = triangle.iter().copied().filter(|&vertex| num_triangles[vertex as usize] > MANY).min();
         let hub = hub.unwrap_or(NO_HUB);
-        let opposite = Extent::of(triangle.iter().filter(|&&vertex| vertex != hub).map(place));
-        Bounds { extent: Extent::of(triangle.iter().map(place)), hub, opposite }
+        let others = triangle.iter().filter(|&&vertex| vertex != hub).map(place);
+        let directions = match *others.collect::<Vec<_>>() {
+            [a, b] if hub != NO_HUB => directions(positions[hub as usize], a, b),
+            _ => ALL_DIRECTIONS,
+        };
+        Bounds { extent: Extent::of(triangle.iter().map(place)), hub, directions }
     };
     triangles.iter().map(bounds).collect()
 }
 
-/// A tree of boxes over triangles, split in the middle of their order along the longest axis.
+/// A tree of boxes over triangles, split between hubs, then in the middle of their order along the longest axis.
 #[derive(Debug)]
 pub(crate) struct Tree {
     bounds: Vec<Bounds>,
@@ -109,8 +137,11 @@ struct Node {
 impl Tree {
     /// The tree of valid triangles.
     pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
-        let order = (0..u32::try_from(triangles.len()).unwrap_or(u32::MAX)).collect();
-        let mut tree = Self { bounds: bounds_of(positions, triangles), order, nodes: Vec::new() };
+        let bounds = bounds_of(positions, triangles);
+        // Triangles of one hub side by side, so that nodes hold those of one.
+        let mut order: Vec<u32> = (0..u32::try_from(triangles.len()).unwrap_or(u32::MAX)).collect();
+        order.sort_by_key(|&triangle| bounds[triangle as usize].hub);
+        let mut tree = Self { bounds, order, nodes: Vec::new() };
         if !triangles.is_empty() {
             tree.build(0, tree.order.len());
         }
@@ -126,19 +157,36 @@ impl Tree {
         if end - start <= LEAF {
             return;
         }
-        let length = |axis: usize| bounds.extent.high[axis] - bounds.extent.low[axis];
-        let axis = (1..3).fold(0, |best, axis| if length(axis) > length(best) { axis } else { best });
+        let middle = self.split(start, end, bounds);
+        self.build(start, middle);
+        self.nodes[node].second = Some(self.nodes.len());
+        self.build(middle, end);
+    }
+
+    /// Divides the triangles of a node: between two hubs, or those of one in the middle along the longest axis. Gives
+    /// back where the second half starts.
+    fn split(&mut self, start: usize, end: usize, bounds: Bounds) -> usize {
+        let Self { bounds: all, order, .. } = self;
         let middle = start.midpoint(end);
+        let hub = |triangle: u32| all[triangle as usize].hub;
+        if hub(order[start]) != hub(order[end - 1]) {
+            let own = hub(order[middle]);
+            let first = start + order[start..end].partition_point(|&triangle| hub(triangle) < own);
+            let last = start + order[start..end].partition_point(|&triangle| hub(triangle) <= own);
+            return if first > start { first } else { last };
+        }
+        let place = |bounds: &Bounds| if bounds.hub == NO_HUB { bounds.extent } else { bounds.directions };
+        let Extent { low, high } = place(&bounds);
+        let length = |axis: usize| high[axis] - low[axis];
+        let axis = (1..3).fold(0, |best, axis| if length(axis) > length(best) { axis } else { best });
         // Halves first, so that no sum overflows.
         let centre = |triangle: u32| {
-            let Extent { low, high } = all[triangle as usize].extent;
+            let Extent { low, high } = place(&all[triangle as usize]);
             0.5 * low[axis] + 0.5 * high[axis]
         };
         order[start..end]
             .select_nth_unstable_by(middle - start, |&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
-        self.build(start, middle);
-        self.nodes[node].second = Some(self.nodes.len());
-        self.build(middle, end);
+        middle
     }
 
     /// Calls `visit` for each pair of triangles whose boxes overlap, the lower one first, until it returns false. Pairs

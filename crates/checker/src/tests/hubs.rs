@@ -50,3 +50,39 @@ fn pairs_round_a_hub_are_few() {
         assert!(num < 20 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
     }
 }
+
+#[test]
+fn pairs_round_a_hub_with_small_triangles_between_are_few() {
+    let place = |angle: f64| [angle.cos(), angle.sin(), 0.0];
+    let (mut positions, mut triangles) = wheel(4_000, 1.0, place);
+    // A tooth on each side of the rim.
+    for k in 1..=4_000 {
+        let angle = TAU * (f64::from(k) - 0.5) / 4_000.0;
+        triangles.push([k + 1, k, u32::try_from(positions.len()).unwrap()]);
+        positions.push([1.2 * angle.cos(), 1.2 * angle.sin(), 0.0]);
+    }
+    let mut num = 0;
+    Tree::new(&positions, &triangles).pairs(&mut |_, _| {
+        num += 1;
+        true
+    });
+    assert!(num < 40 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
+}
+
+#[test]
+fn pairs_of_a_polygon_cut_from_one_corner_are_few() {
+    let n = 10_000_u32;
+    let positions: Vec<Point> = (0..n)
+        .map(|k| {
+            let angle = TAU * f64::from(k) / f64::from(n);
+            [angle.cos(), angle.sin(), 0.3 * angle.cos()]
+        })
+        .collect();
+    let triangles: Vec<[u32; 3]> = (1..n - 1).map(|k| [0, k, k + 1]).collect();
+    let mut num = 0;
+    Tree::new(&positions, &triangles).pairs(&mut |_, _| {
+        num += 1;
+        true
+    });
+    assert!(num < 20 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
+}
