@@ -178,9 +178,9 @@ pub(super) fn analyse_within(
     let (max_face_pairs, max_tested_pairs) = (Some(max_face_pairs), Some(u64::MAX));
     let settings = Settings { max_face_pairs, max_tested_pairs, ..Settings::default() };
     let mut analyser = Analyser::default();
-    let analysis = analyser.analyse(mesh, frame, &settings, observer).clone();
+    analyser.analyse(mesh, frame, &settings, observer);
     match analyser.search_end() {
-        SearchEnd::Complete => Ok(analysis),
+        SearchEnd::Complete => Ok(analyser.into_last()),
         SearchEnd::TooManyPairs | SearchEnd::OutOfTime => {
             Err(InputError::TooManyFacePairs { files: names(files), limit: max_face_pairs.unwrap_or_default() })
         }

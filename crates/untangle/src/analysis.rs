@@ -85,6 +85,12 @@ impl Analyser {
         self.search
     }
 
+    /// The last analysis, without a copy of it.
+    #[must_use]
+    pub fn into_last(self) -> Analysis {
+        self.analysis
+    }
+
     /// The last analysis.
     #[must_use]
     pub fn last(&self) -> &Analysis {
@@ -99,5 +105,5 @@ pub fn analyse(mesh: &Mesh, frame: &Frame) -> Analysis {
     let unlimited =
         Settings { max_face_pairs: Some(u64::MAX), max_tested_pairs: Some(u64::MAX), ..Settings::default() };
     analyser.analyse(mesh, frame, &unlimited, &mut ());
-    analyser.analysis
+    analyser.into_last()
 }

@@ -44,9 +44,9 @@ fn read_mesh_of_links_out_of_the_folder_is_refused() {
     assert_eq!(refusal(&document(TRIANGLE)), None);
     for (link, reason) in [
         ("/etc/passwd", "is not a relative path"),
-        ("../../../../../../etc/passwd", "leads out of it"),
+        ("../../../../../../etc/passwd", "leads out of the folder"),
         ("/dev/zero", "is not a relative path"),
-        ("%2e%2e/%2e%2e/etc/passwd", "leads out of it"),
+        ("%2e%2e/%2e%2e/etc/passwd", "leads out of the folder"),
     ] {
         let expected = format!("buffer 0: link `{link}` {reason}; only files in the folder of the document are read");
         assert_eq!(refusal(&document(link)), Some(expected));

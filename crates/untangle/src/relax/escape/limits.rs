@@ -40,7 +40,7 @@ impl LimitedStep {
     ) {
         self.scales.clear();
         self.scales.resize(islands.len() + 1, 1.0);
-        for attempt in 1..=MAX_SCALINGS + 1 {
+        for attempt in 1.. {
             if self.make_damped(energy, islands, displacement, single_precision, out) {
                 return;
             }
@@ -49,8 +49,14 @@ impl LimitedStep {
             for &local in &self.violated {
                 is_over[islands.of(vertices[local])] = true;
             }
+            let mut is_any_moving = false;
             for (scale, _) in self.scales.iter_mut().zip(is_over).filter(|(_, is_over)| *is_over) {
+                is_any_moving |= *scale > 0.0;
                 *scale = if attempt < MAX_SCALINGS { 0.5 * *scale } else { 0.0 };
+            }
+            if !is_any_moving {
+                // Only the rounding to single precision is left.
+                return;
             }
         }
     }

@@ -1,15 +1,16 @@
 //! Copies of one surface in nearly one place: nothing says which of the two lies outside.
 
+use nalgebra::Vector3;
+
 use crate::{
     frame::Frame,
-    geometry::mean_edge_length,
     intersect::Segment,
     mesh::{FaceId, Mesh, PieceId, VertexId},
 };
 
-/// Two copies lie in nearly one place where the mean distance of their vertices is less than this part of an edge. At
-/// larger distances they are layers, which pushes set apart.
-const NEAR: f64 = 1.0 / 16.0;
+/// Two copies lie in nearly one place where the mean distance of their vertices is less than this part of the diagonal of
+/// the box around one: half a millimetre of a garment. At larger distances they are layers, which pushes set apart.
+const NEAR: f64 = 1.0 / 2048.0;
 
 /// Whether most of what intersects is two pieces with the same faces in the same order, whose vertices lie in
 /// nearly one place.
@@ -45,14 +46,19 @@ fn lie_in_one_place(mesh: &Mesh, frame: &Frame, [first, second]: [&[FaceId]; 2])
     let corners = || first.iter().zip(second).flat_map(|(&a, &b)| mesh.face(a).into_iter().zip(mesh.face(b)));
     let mut twins: Vec<Option<VertexId>> = vec![None; mesh.num_vertices()];
     let are_alike = corners().all(|(vertex, twin)| *twins[vertex.index()].get_or_insert(twin) == twin);
-    let Some(edge_m) = mean_edge_length(mesh, frame, first.iter().copied()).filter(|_| are_alike) else {
+    if !are_alike {
         return false;
-    };
+    }
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    for (vertex, _) in corners() {
+        let place = frame.position(vertex).coords;
+        (low, high) = (low.inf(&place), high.sup(&place));
+    }
     let distance_m = |(a, b): (VertexId, VertexId)| (frame.position(a) - frame.position(b)).norm();
     let sum_m: f64 = corners().map(distance_m).sum();
     #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
     let mean_m = sum_m / (3 * first.len()) as f64;
-    mean_m < NEAR * edge_m
+    mean_m < NEAR * (high - low).norm()
 }
 
 #[cfg(test)]
@@ -60,17 +66,18 @@ mod tests {
     use super::*;
     use crate::{analysis::analyse, mesh::MeshDescription};
 
-    /// A sheet of 6 x 6 squares twice, the second one moved and turned a little.
-    fn two_sheets(shift_m: f64) -> (Mesh, Frame) {
+    /// A sheet of 6 x 6 m twice, the second one moved and turned a little.
+    fn two_sheets(squares: u32, shift_m: f64) -> (Mesh, Frame) {
         let (mut positions, mut faces) = (Vec::new(), Vec::new());
-        for (copy, tilt) in [(0, 0.0), (1, 0.01)] {
-            let first = 49 * copy;
-            for k in 0..49_u32 {
-                let [u, v] = [f64::from(k % 7), f64::from(k / 7)];
-                positions.push([u + shift_m * tilt * 100.0, v, tilt * (u - 3.1)]);
+        let row = squares + 1;
+        for (copy, tilt) in [(0, 0.0), (1, 1e-3)] {
+            let first = row * row * copy;
+            for k in 0..row * row {
+                let [u, v] = [k % row, k / row].map(|at| 6.0 * f64::from(at) / f64::from(squares));
+                positions.push([u + shift_m * f64::from(copy), v, tilt * (u - 3.1)]);
             }
-            for k in (0..42).filter(|k| k % 7 < 6).map(|k| first + k) {
-                faces.extend([[k, k + 1, k + 8], [k, k + 8, k + 7]]);
+            for k in (0..row * squares).filter(|k| k % row < squares).map(|k| first + k) {
+                faces.extend([[k, k + 1, k + row + 1], [k, k + row + 1, k + row]]);
             }
         }
         let num_vertices = positions.len();
@@ -80,12 +87,14 @@ mod tests {
     }
 
     #[test]
-    fn copies_are_in_one_place_only_where_they_nearly_coincide() {
-        for (shift_m, expected) in [(0.0, true), (0.03, true), (0.3, false)] {
-            let (mesh, frame) = two_sheets(shift_m);
-            let segments = &analyse(&mesh, &frame).intersections.segments;
-            assert!(!segments.is_empty());
-            assert_eq!(are_copies_in_one_place(&mesh, &frame, segments), expected, "{shift_m} m");
+    fn copies_are_in_one_place_only_where_they_nearly_coincide_however_fine_they_are() {
+        for squares in [6, 12, 24] {
+            for (shift_m, expected) in [(0.0, true), (0.002, true), (0.02, false), (0.2, false)] {
+                let (mesh, frame) = two_sheets(squares, shift_m);
+                let segments = &analyse(&mesh, &frame).intersections.segments;
+                assert!(!segments.is_empty());
+                assert_eq!(are_copies_in_one_place(&mesh, &frame, segments), expected, "{squares} {shift_m} m");
+            }
         }
     }
 }

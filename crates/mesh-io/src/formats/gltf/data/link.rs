@@ -39,7 +39,7 @@ pub(super) fn resolve(link: &str, folder: &Path) -> Result<Linked, String> {
         match component {
             Component::RootDir | Component::Prefix(_) => return Err(refused("is not a relative path")),
             Component::CurDir => {}
-            Component::ParentDir => depth = depth.checked_sub(1).ok_or_else(|| refused("leads out of it"))?,
+            Component::ParentDir => depth = depth.checked_sub(1).ok_or_else(|| refused("leads out of the folder"))?,
             Component::Normal(name) => {
                 // A document may lie in the home folder, whose hidden files are nobody's buffers.
                 if name.as_encoded_bytes().starts_with(b".") {
@@ -54,7 +54,7 @@ pub(super) fn resolve(link: &str, folder: &Path) -> Result<Linked, String> {
     let resolved = fs::canonicalize(&path).map_err(io)?;
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if !resolved.starts_with(fs::canonicalize(folder).map_err(io)?) {
-        return Err(refused("leads out of it"));
+        return Err(refused("leads out of the folder"));
     }
     // Before it is opened: opening a pipe waits for its writer.
     if !fs::metadata(&resolved).map_err(io)?.is_file() {
@@ -116,14 +116,14 @@ mod tests {
             ("file:///etc/passwd", "is not a relative path"),
             ("file:a%20b.bin", "is not a relative path"),
             ("http://example.org/a.bin", "is not a relative path"),
-            ("../outside", "leads out of it"),
-            ("data/../../outside", "leads out of it"),
-            ("%2e%2E/outside", "leads out of it"),
-            ("..%2foutside", "leads out of it"),
-            ("../model/a b.bin", "leads out of it"),
-            ("link.bin", "leads out of it"),
-            ("up/outside", "leads out of it"),
-            ("zero", "leads out of it"),
+            ("../outside", "leads out of the folder"),
+            ("data/../../outside", "leads out of the folder"),
+            ("%2e%2E/outside", "leads out of the folder"),
+            ("..%2foutside", "leads out of the folder"),
+            ("../model/a b.bin", "leads out of the folder"),
+            ("link.bin", "leads out of the folder"),
+            ("up/outside", "leads out of the folder"),
+            ("zero", "leads out of the folder"),
             ("..\\outside", "is not the path of a file"),
             ("%5c..%5Coutside", "is not the path of a file"),
             ("a%00b", "is not the path of a file"),
