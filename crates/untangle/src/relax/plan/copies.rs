@@ -8,8 +8,8 @@ use crate::{
     mesh::{FaceId, Mesh, PieceId, VertexId},
 };
 
-/// Two copies lie in nearly one place where the mean distance of their vertices is less than this part of the diagonal of
-/// the box around one: half a millimetre of a garment. At larger distances they are layers, which pushes set apart.
+/// Two copies lie in nearly one place where the mean distance of their vertices is less than this part of the diagonal
+/// of the box around one: half a millimetre of a garment. At larger distances they are layers, which pushes set apart.
 const NEAR: f64 = 1.0 / 2048.0;
 
 /// Whether most of what intersects is two pieces with the same faces in the same order, whose vertices lie in
