@@ -10,7 +10,7 @@ use std::{
 
 use serde::Serialize;
 
-use untangled_checker::{PolygonRef, crossings, fan_crossings};
+use untangled_checker::{CheckError, Crossings, PolygonRef, fan_crossings, polygon_crossings};
 use untangled_mesh_io::MeshFile;
 
 use super::{input::Input, wording::Counted};
@@ -22,7 +22,8 @@ pub struct Certificate {
     pub num_crossings: usize,
     /// The same with positions rounded to single precision; nothing where they are beyond it.
     pub num_crossings_single: Option<usize>,
-    /// The same with each polygon split into the fan of its first corner, as most readers do.
+    /// The same with each polygon split into the fan of its first corner, as most readers do. A fan of more than 16
+    /// corners that crosses itself counts once.
     pub num_crossings_first_corner: usize,
     /// Pairs of polygons that cross in some way to split them, in double precision.
     pub num_polygon_pairs: usize,
@@ -35,7 +36,7 @@ impl Certificate {
     pub(super) fn of(files: &[MeshFile], input: &Input) -> Self {
         let surface = Surface::new(files, input);
         let single = surface.in_single_precision();
-        let count = |surface: &Surface| num_crossings(&surface.positions, &surface.triangles);
+        let count = |surface: &Surface| surface.num_crossings(false);
         let num_crossings_single = single.as_ref().map(count);
         let num_crossings = count(&surface);
         if !surface.has_polygons() {
@@ -49,7 +50,7 @@ impl Certificate {
         Self {
             num_crossings,
             num_crossings_single,
-            num_crossings_first_corner: surface.first_corner_crossings(),
+            num_crossings_first_corner: surface.num_crossings(true),
             num_polygon_pairs: surface.polygon_pairs().len(),
             num_polygon_pairs_single: single.map(|single| single.polygon_pairs().len()),
         }
@@ -149,28 +150,26 @@ impl Surface {
         self.polygons.iter().any(|[corners, _]| corners.len() > 3)
     }
 
-    fn first_corner_crossings(&self) -> usize {
-        let fans = self.polygons.iter().flat_map(|[corners, _]| {
-            let corners = &self.corners[corners.clone()];
-            corners.windows(2).skip(1).map(|side| [corners[0], side[0], side[1]])
-        });
-        num_crossings(&self.positions, &fans.collect::<Vec<_>>())
+    /// Pairs of triangles that cross, polygons split as given or from their first corner.
+    fn num_crossings(&self, from_first_corner: bool) -> usize {
+        sure(polygon_crossings(&self.positions, self.polygon_refs(), from_first_corner)).pairs.len()
     }
 
     /// Pairs of polygons that cross in some way to split them.
     pub(super) fn polygon_pairs(&self) -> Vec<[u32; 2]> {
-        let polygons = self.polygons.iter().map(|[corners, triangles]| PolygonRef {
+        sure(fan_crossings(&self.positions, self.polygon_refs())).pairs
+    }
+
+    fn polygon_refs(&self) -> impl Iterator<Item = PolygonRef<'_>> {
+        self.polygons.iter().map(|[corners, triangles]| PolygonRef {
             corners: &self.corners[corners.clone()],
             triangles: &self.triangles[triangles.clone()],
-        });
-        let found = fan_crossings(&self.positions, polygons);
-        found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}")).pairs
+        })
     }
 }
 
-fn num_crossings(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> usize {
-    let found = crossings(positions, triangles);
-    found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}")).pairs.len()
+fn sure(found: Result<Crossings, CheckError>) -> Crossings {
+    found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}"))
 }
 
 /// A coordinate rounded to single precision.

@@ -7,7 +7,7 @@
 //!
 //! Sheets that touch, in points, along curves or over areas, do not cross.
 
-use crate::primitive::{Point, Sign, orient2d, orient3d, project};
+use crate::primitive::{Point, Point2, Sign, orient2d, orient3d, project};
 
 type Triangle = [Point; 3];
 
@@ -16,6 +16,39 @@ pub(crate) fn sides(points: Triangle, triangle: Triangle) -> [Sign; 3] {
     let [a, b, c] = triangle;
     // A common corner needs no arithmetic, and neighbours have one.
     points.map(|point| if triangle.contains(&point) { Sign::Zero } else { orient3d(a, b, c, point) })
+}
+
+/// Whether two triangles, seen along an axis, are parted by a side of one of them, but for a common corner.
+///
+/// This decides most pairs of long triangles in nearly one plane, for which the signs in space cost far more: they are
+/// next to zero.
+pub(crate) fn are_apart(first: Triangle, second: Triangle) -> bool {
+    let axis = axis_of_most_area(first);
+    let [first, second] = [first, second].map(|triangle| triangle.map(|point| project(point, axis)));
+    let parts = |[a, b, c]: [Point2; 3], others: [Point2; 3]| {
+        let inner = orient2d(a, b, c);
+        let is_beyond = |p: Point2, q: Point2| {
+            // One common corner is no edge over another.
+            let num_common = others.into_iter().filter(|&point| point == p || point == q).count();
+            let outside = |point: Point2| {
+                let side = orient2d(p, q, point);
+                (side != Sign::Zero && side != inner) || point == p || point == q
+            };
+            num_common <= 1 && others.into_iter().all(outside)
+        };
+        inner != Sign::Zero && (is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a))
+    };
+    parts(first, second) || parts(second, first)
+}
+
+/// The axis along which a triangle shows about its largest area; any one is right.
+fn axis_of_most_area([a, b, c]: Triangle) -> usize {
+    let area = |axis: usize| {
+        let [a, b, c] = [a, b, c].map(|point| project(point, axis));
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+    };
+    let areas = [area(0), area(1), area(2)];
+    (1..3).fold(0, |best, axis| if areas[axis] > areas[best] { axis } else { best })
 }
 
 /// The corner that is alone strictly on its side of a plane with corners strictly on both sides.

@@ -1,11 +1,14 @@
 //! Which polygons cross where a reader may split each of them as it likes.
 
+use std::collections::BTreeMap;
+
 use crate::{
     CheckError, Crossings,
-    crossing::triangles_cross,
+    crossing::{are_apart, triangles_cross},
+    groups::Groups,
     primitive::Point,
-    surface::{MOST_PAIRS, num_common},
-    tree::Tree,
+    surface::{MOST_PAIRS, crossings_beyond_groups, num_common},
+    tree::{Next, Tree},
     validate,
 };
 
@@ -43,28 +46,60 @@ pub fn fan_crossings<'a>(
     positions: &[Point],
     polygons: impl IntoIterator<Item = PolygonRef<'a>>,
 ) -> Result<Crossings, CheckError> {
-    let (mut triangles, mut candidates) = (Vec::new(), Vec::new());
+    let (mut triangles, mut candidates, mut groups) = (Vec::new(), Vec::new(), Groups::default());
     for (number, polygon) in (0..).zip(polygons) {
         add_candidates(number, polygon, &mut triangles, &mut candidates);
+        groups.add(positions, polygon, triangles.len());
     }
     validate(positions, &triangles)?;
     let corners = |triangle: u32| triangles[triangle as usize].map(|vertex| positions[vertex as usize]);
     let mut pairs = Vec::new();
-    Tree::new(positions, &triangles).pairs(&mut |first, second| {
+    let tree = Tree::new(positions, &triangles, &groups);
+    tree.pairs(&mut groups, &mut |first, second| {
         let [a, b] = [first, second].map(|index| &candidates[index as usize]);
         let coexist = a.polygon != b.polygon || a.ways & b.ways != 0;
-        if coexist && num_common(triangles[first as usize], triangles[second as usize]) < 2 {
-            let [p, q] = [first, second].map(corners);
-            if triangles_cross(p, q) {
-                pairs.push([a.polygon.min(b.polygon), a.polygon.max(b.polygon)]);
-            }
+        if !coexist || num_common(triangles[first as usize], triangles[second as usize]) > 1 {
+            return Next::GoOn;
         }
-        pairs.len() < MOST_PAIRS
+        let [p, q] = [first, second].map(corners);
+        if are_apart(p, q) || !triangles_cross(p, q) {
+            return Next::GoOn;
+        }
+        pairs.push([a.polygon.min(b.polygon), a.polygon.max(b.polygon)]);
+        if pairs.len() < MOST_PAIRS { Next::CloseGroup } else { Next::End }
     });
     let is_complete = pairs.len() < MOST_PAIRS;
     pairs.sort_unstable();
     pairs.dedup();
     Ok(Crossings { pairs, is_complete })
+}
+
+/// [`crossings`](crate::crossings) of the triangles of polygons, each split as given or, `from_first_corner`, into the
+/// fan of its first corner. Of the crossings of such a fan with itself, if it has many corners, one is listed: of a
+/// polygon that is not convex there are as many as its corners squared.
+///
+/// Cost: that of [`crossings`](crate::crossings), without the pairs of a polygon of many corners that lies in one plane.
+///
+/// # Errors
+/// [`CheckError`], naming the vertex at fault.
+pub fn polygon_crossings<'a>(
+    positions: &[Point],
+    polygons: impl IntoIterator<Item = PolygonRef<'a>>,
+    from_first_corner: bool,
+) -> Result<Crossings, CheckError> {
+    let (mut triangles, mut groups) = (Vec::new(), Groups::default());
+    for polygon in polygons {
+        if from_first_corner {
+            let sides = polygon.corners.windows(2).skip(1);
+            triangles.extend(sides.map(|side| [polygon.corners[0], side[0], side[1]]));
+        } else {
+            triangles.extend(polygon.triangles);
+        }
+        groups.add(positions, polygon, triangles.len());
+    }
+    validate(positions, &triangles)?;
+    let on_crossing = if from_first_corner { Next::CloseGroup } else { Next::GoOn };
+    Ok(crossings_beyond_groups(positions, &triangles, groups, on_crossing))
 }
 
 fn add_candidates(
@@ -73,15 +108,16 @@ fn add_candidates(
     triangles: &mut Vec<[u32; 3]>,
     candidates: &mut Vec<Candidate>,
 ) {
-    let first = triangles.len();
+    let mut known = BTreeMap::new();
     let mut add = |triangle: [u32; 3], way: u32| {
-        let is_same = |other: &[u32; 3]| num_common(triangle, *other) == 3 && num_common(*other, triangle) == 3;
-        if let Some(at) = triangles[first..].iter().position(is_same) {
-            candidates[first + at].ways |= way;
-        } else {
+        let mut name = triangle;
+        name.sort_unstable();
+        let at = *known.entry(name).or_insert(triangles.len());
+        if at == triangles.len() {
             triangles.push(triangle);
-            candidates.push(Candidate { polygon, ways: way });
+            candidates.push(Candidate { polygon, ways: 0 });
         }
+        candidates[at].ways |= way;
     };
     for &triangle in own {
         add(triangle, 1 << MOST_CORNERS);

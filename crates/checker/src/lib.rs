@@ -13,6 +13,7 @@
 
 mod crossing;
 mod fans;
+mod groups;
 mod primitive;
 mod surface;
 #[cfg(test)]
@@ -21,11 +22,12 @@ mod tree;
 
 use thiserror::Error;
 
-pub use fans::{PolygonRef, fan_crossings};
+pub use fans::{PolygonRef, fan_crossings, polygon_crossings};
 pub use primitive::Point;
 pub use surface::{Crossings, crossings};
 
-use tree::Tree;
+use groups::Groups;
+use tree::{Next, Tree};
 
 /// A cloth that can't be judged.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -86,10 +88,11 @@ pub fn edge_face_hits(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Vec
             }
         }
     };
-    Tree::new(positions, triangles).pairs(&mut |first, second| {
+    let mut groups = Groups::default();
+    Tree::new(positions, triangles, &groups).pairs(&mut groups, &mut |first, second| {
         test(first, second);
         test(second, first);
-        true
+        Next::GoOn
     });
     // An edge of two triangles was tested for both.
     hits.sort_unstable();

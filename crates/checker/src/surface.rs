@@ -2,9 +2,10 @@
 
 use crate::{
     CheckError,
-    crossing::{alternate, interiors_cross, overlap, runs_through, sides, tip_of_edge_in_plane},
+    crossing::{alternate, are_apart, interiors_cross, overlap, runs_through, sides, tip_of_edge_in_plane},
+    groups::Groups,
     primitive::{Point, Sign},
-    tree::Tree,
+    tree::{Next, Tree},
     validate,
 };
 
@@ -29,17 +30,30 @@ pub struct Crossings {
 /// [`CheckError`], naming the vertex or triangle at fault.
 pub fn crossings(positions: &[Point], triangles: &[[u32; 3]]) -> Result<Crossings, CheckError> {
     validate(positions, triangles)?;
+    Ok(crossings_beyond_groups(positions, triangles, Groups::default(), Next::GoOn))
+}
+
+/// [`crossings`] of valid triangles, without pairs of closed groups; what to do after each crossing is
+/// `on_crossing`.
+pub(crate) fn crossings_beyond_groups(
+    positions: &[Point],
+    triangles: &[[u32; 3]],
+    mut groups: Groups,
+    on_crossing: Next,
+) -> Crossings {
     let surface = Surface::new(positions, triangles);
     let mut pairs = Vec::new();
-    Tree::new(positions, triangles).pairs(&mut |first, second| {
-        if surface.cross(first, second) {
-            pairs.push([first, second]);
+    let tree = Tree::new(positions, triangles, &groups);
+    tree.pairs(&mut groups, &mut |first, second| {
+        if !surface.cross(first, second) {
+            return Next::GoOn;
         }
-        pairs.len() < MOST_PAIRS
+        pairs.push([first, second]);
+        if pairs.len() < MOST_PAIRS { on_crossing } else { Next::End }
     });
     let is_complete = pairs.len() < MOST_PAIRS;
     pairs.sort_unstable();
-    Ok(Crossings { pairs, is_complete })
+    Crossings { pairs, is_complete }
 }
 
 /// The number of vertices that two triangles share.
@@ -73,6 +87,9 @@ impl<'a> Surface<'a> {
             return false;
         }
         let [a, b] = [first, second].map(|triangle| self.corners(triangle));
+        if are_apart(a, b) {
+            return false;
+        }
         let a_sides = sides(a, b);
         if a_sides == [Sign::Positive; 3] || a_sides == [Sign::Negative; 3] {
             return false;

@@ -4,7 +4,12 @@
 //! from it, so that round a vertex of many triangles, a *hub*, boxes of the directions in which they lie are compared
 //! as well.
 
-use crate::primitive::Point;
+use std::ops::ControlFlow;
+
+use crate::{
+    groups::{Groups, NO_GROUP},
+    primitive::Point,
+};
 
 /// A box with sides along the axes. Made of input coordinates only: nothing is rounded.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +42,20 @@ impl Extent {
     }
 }
 
+/// What to do after a pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Next {
+    /// Go on.
+    GoOn,
+    /// Leave out further pairs of the group that the two have in common, if they have one.
+    CloseGroup,
+    /// End the search.
+    End,
+}
+
+/// Looks at a pair of triangles, the lower one first.
+pub(crate) type Visit<'a> = dyn FnMut(u32, u32) -> Next + 'a;
+
 /// Most triangles of a leaf.
 const LEAF: usize = 4;
 
@@ -53,17 +72,26 @@ struct Bounds {
     hub: u32,
     /// A box around the unit vectors from the hub to all points.
     directions: Extent,
+    /// The common group, or [`NO_GROUP`].
+    group: u32,
 }
 
 impl Bounds {
     fn join(&self, other: &Self) -> Self {
         let hub = if self.hub == other.hub { self.hub } else { NO_HUB };
-        Self { extent: self.extent.join(&other.extent), hub, directions: self.directions.join(&other.directions) }
+        let group = if self.group == other.group { self.group } else { NO_GROUP };
+        Self {
+            extent: self.extent.join(&other.extent),
+            hub,
+            directions: self.directions.join(&other.directions),
+            group,
+        }
     }
 
-    /// Whether some triangles of the two may meet beyond a common hub.
-    fn may_meet(&self, other: &Self) -> bool {
+    /// Whether some triangles of the two may meet beyond a common hub and are not of one closed group.
+    fn may_meet(&self, other: &Self, groups: &Groups) -> bool {
         self.extent.overlaps(&other.extent)
+            && (self.group != other.group || !groups.is_closed(self.group))
             && (self.hub == NO_HUB || self.hub != other.hub || self.directions.overlaps(&other.directions))
     }
 }
@@ -96,12 +124,12 @@ fn directions(from: Point, a: Point, b: Point) -> Extent {
 }
 
 /// The bounds of all triangles.
-fn bounds_of(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<Bounds> {
+fn bounds_of(positions: &[Point], triangles: &[[u32; 3]], groups: &Groups) -> Vec<Bounds> {
     let mut num_triangles = vec![0_u32; positions.len()];
     for &vertex in triangles.iter().flatten() {
         num_triangles[vertex as usize] += 1;
     }
-    let bounds = |triangle: &[u32; 3]| {
+    let bounds = |(index, triangle): (usize, &[u32; 3])| {
         let place = |vertex: &u32| positions[*vertex as usize];
         let hub = triangle.iter().copied().filter(|&vertex| num_triangles[vertex as usize] > MANY).min();
         let hub = hub.unwrap_or(NO_HUB);
@@ -110,9 +138,9 @@ fn bounds_of(positions: &[Point], triangles: &[[u32; 3]]) -> Vec<Bounds> {
             [a, b] if hub != NO_HUB => directions(positions[hub as usize], a, b),
             _ => ALL_DIRECTIONS,
         };
-        Bounds { extent: Extent::of(triangle.iter().map(place)), hub, directions }
+        Bounds { extent: Extent::of(triangle.iter().map(place)), hub, directions, group: groups.of(index) }
     };
-    triangles.iter().map(bounds).collect()
+    triangles.iter().enumerate().map(bounds).collect()
 }
 
 /// A tree of boxes over triangles, split between hubs, then in the middle of their order along the longest axis.
@@ -136,8 +164,8 @@ struct Node {
 
 impl Tree {
     /// The tree of valid triangles.
-    pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]]) -> Self {
-        let bounds = bounds_of(positions, triangles);
+    pub(crate) fn new(positions: &[Point], triangles: &[[u32; 3]], groups: &Groups) -> Self {
+        let bounds = bounds_of(positions, triangles, groups);
         // Triangles of one hub side by side, so that nodes hold those of one.
         let mut order: Vec<u32> = (0..u32::try_from(triangles.len()).unwrap_or(u32::MAX)).collect();
         order.sort_by_key(|&triangle| bounds[triangle as usize].hub);
@@ -189,47 +217,52 @@ impl Tree {
         middle
     }
 
-    /// Calls `visit` for each pair of triangles whose boxes overlap, the lower one first, until it returns false. Pairs
-    /// that can only meet in a common hub are left out.
-    pub(crate) fn pairs(&self, visit: &mut dyn FnMut(u32, u32) -> bool) {
+    /// Calls `visit` for each pair of triangles whose boxes overlap, the lower one first, until that ends it. Pairs
+    /// that can only meet in a common hub are left out, and those of a closed group. `groups` are those of the tree.
+    pub(crate) fn pairs(&self, groups: &mut Groups, visit: &mut Visit<'_>) {
         if !self.nodes.is_empty() {
-            self.pairs_of(0, 0, visit);
+            // The search is over where it breaks off.
+            let _ = self.pairs_of(0, 0, groups, visit);
         }
     }
 
-    /// The pairs of two nodes; false if `visit` ended it.
-    fn pairs_of(&self, a: usize, b: usize, visit: &mut dyn FnMut(u32, u32) -> bool) -> bool {
+    fn pairs_of(&self, a: usize, b: usize, groups: &mut Groups, visit: &mut Visit<'_>) -> ControlFlow<()> {
         let [first, second] = [a, b].map(|node| &self.nodes[node]);
-        if !first.bounds.may_meet(&second.bounds) {
-            return true;
+        if !first.bounds.may_meet(&second.bounds, groups) {
+            return ControlFlow::Continue(());
         }
-        match (first.second, second.second) {
-            (None, None) => self.pairs_of_leaves(first, second, visit),
-            (Some(child), _) if a == b => {
-                self.pairs_of(a + 1, a + 1, visit)
-                    && self.pairs_of(a + 1, child, visit)
-                    && self.pairs_of(child, child, visit)
-            }
+        let pairs = match (first.second, second.second) {
+            (None, None) => return self.pairs_of_leaves(first, second, groups, visit),
+            (Some(child), _) if a == b => &[(a + 1, a + 1), (a + 1, child), (child, child)][..],
             (Some(child), other) if other.is_none() || first.end - first.start >= second.end - second.start => {
-                self.pairs_of(a + 1, b, visit) && self.pairs_of(child, b, visit)
+                &[(a + 1, b), (child, b)]
             }
-            (_, Some(child)) => self.pairs_of(a, b + 1, visit) && self.pairs_of(a, child, visit),
+            (_, Some(child)) => &[(a, b + 1), (a, child)],
             (Some(_), None) => unreachable!("the node {a} with children is split"),
-        }
+        };
+        pairs.iter().try_for_each(|&(a, b)| self.pairs_of(a, b, groups, visit))
     }
 
-    fn pairs_of_leaves(&self, first: &Node, second: &Node, visit: &mut dyn FnMut(u32, u32) -> bool) -> bool {
+    fn pairs_of_leaves(
+        &self,
+        first: &Node,
+        second: &Node,
+        groups: &mut Groups,
+        visit: &mut Visit<'_>,
+    ) -> ControlFlow<()> {
         for at in first.start..first.end {
             let from = if first.start == second.start { at + 1 } else { second.start };
             for &other in &self.order[from..second.end] {
                 let own = self.order[at];
-                if self.bounds[own as usize].may_meet(&self.bounds[other as usize])
-                    && !visit(own.min(other), own.max(other))
-                {
-                    return false;
+                if self.bounds[own as usize].may_meet(&self.bounds[other as usize], groups) {
+                    match visit(own.min(other), own.max(other)) {
+                        Next::GoOn => {}
+                        Next::CloseGroup => groups.close_common(own, other),
+                        Next::End => return ControlFlow::Break(()),
+                    }
                 }
             }
         }
-        true
+        ControlFlow::Continue(())
     }
 }

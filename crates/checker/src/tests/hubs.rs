@@ -5,7 +5,21 @@ use std::f64::consts::TAU;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Point, crossings, edge_face_hits, tree::Tree};
+use crate::{
+    Point, crossings, edge_face_hits,
+    groups::Groups,
+    tree::{Next, Tree},
+};
+
+/// The number of pairs of triangles that are looked at.
+fn num_visited(positions: &[Point], triangles: &[[u32; 3]]) -> usize {
+    let (mut num, mut groups) = (0, Groups::default());
+    Tree::new(positions, triangles, &groups).pairs(&mut groups, &mut |_, _| {
+        num += 1;
+        Next::GoOn
+    });
+    num
+}
 
 /// Triangles round vertex 0, one beside the other, in so many turns about the vertical axis.
 fn wheel(num: u32, turns: f64, mut place: impl FnMut(f64) -> Point) -> (Vec<Point>, Vec<[u32; 3]>) {
@@ -42,11 +56,7 @@ fn pairs_round_a_hub_are_few() {
     for height in [0.0, 0.3] {
         let place = |angle: f64| [angle.cos(), angle.sin(), height * (7.0 * angle).sin()];
         let (positions, triangles) = wheel(20_000, 1.0, place);
-        let mut num = 0;
-        Tree::new(&positions, &triangles).pairs(&mut |_, _| {
-            num += 1;
-            true
-        });
+        let num = num_visited(&positions, &triangles);
         assert!(num < 20 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
     }
 }
@@ -61,11 +71,7 @@ fn pairs_round_a_hub_with_small_triangles_between_are_few() {
         triangles.push([k + 1, k, u32::try_from(positions.len()).unwrap()]);
         positions.push([1.2 * angle.cos(), 1.2 * angle.sin(), 0.0]);
     }
-    let mut num = 0;
-    Tree::new(&positions, &triangles).pairs(&mut |_, _| {
-        num += 1;
-        true
-    });
+    let num = num_visited(&positions, &triangles);
     assert!(num < 40 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
 }
 
@@ -79,10 +85,6 @@ fn pairs_of_a_polygon_cut_from_one_corner_are_few() {
         })
         .collect();
     let triangles: Vec<[u32; 3]> = (1..n - 1).map(|k| [0, k, k + 1]).collect();
-    let mut num = 0;
-    Tree::new(&positions, &triangles).pairs(&mut |_, _| {
-        num += 1;
-        true
-    });
+    let num = num_visited(&positions, &triangles);
     assert!(num < 20 * triangles.len(), "{num} pairs of {} triangles", triangles.len());
 }

@@ -1,3 +1,4 @@
 mod crossing;
 mod hits;
 mod hubs;
+mod polygons;
