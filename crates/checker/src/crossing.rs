@@ -28,13 +28,14 @@ pub(crate) fn are_apart(first: Triangle, second: Triangle) -> bool {
     let parts = |[a, b, c]: [Point2; 3], others: [Point2; 3]| {
         let inner = orient2d(a, b, c);
         let is_beyond = |p: Point2, q: Point2| {
-            // One common corner is no edge over another.
-            let num_common = others.into_iter().filter(|&point| point == p || point == q).count();
-            let outside = |point: Point2| {
+            let is_end = |point: Point2| [p, q].contains(&point);
+            let is_outside = |point: Point2| {
                 let side = orient2d(p, q, point);
-                (side != Sign::Zero && side != inner) || point == p || point == q
+                side != Sign::Zero && side != inner
             };
-            num_common <= 1 && others.into_iter().all(outside)
+            // One common corner is no edge over another.
+            others.into_iter().filter(|&point| is_end(point)).count() <= 1
+                && others.into_iter().all(|point| is_outside(point) || is_end(point))
         };
         inner != Sign::Zero && (is_beyond(a, b) || is_beyond(b, c) || is_beyond(c, a))
     };

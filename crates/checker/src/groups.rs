@@ -60,7 +60,7 @@ impl Groups {
 
 fn is_flat<I: Iterator<Item = Point>>(places: impl Fn() -> I) -> bool {
     let Some(a) = places().next() else { return true };
-    let Some(b) = places().find(|&point| point != a) else { return true };
+    let Some(b) = places().find(|point| ![a].contains(point)) else { return true };
     let Some(c) = places().find(|&point| has_area([a, b, point])) else { return true };
     places().all(|point| orient3d(a, b, c, point) == Sign::Zero)
 }
