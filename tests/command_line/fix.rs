@@ -1,6 +1,6 @@
 //! `untangled fix`: its report, pins and interruptions.
 
-use std::{fs, io::Write, process::Stdio};
+use std::{fs, process::Stdio};
 
 use rustix::{
     fs::{CWD, FileType, Mode, mknodat},
@@ -103,7 +103,8 @@ fn fix_when_interrupted_writes_nothing() {
     for signal in [Signal::INT, Signal::TERM] {
         let folder = folder();
         let path = folder.path();
-        // A pipe as the input: when it is open at both ends, the process listens to signals and waits for the mesh.
+        // A pipe as the input: when it is open at both ends, the process listens to signals and waits for the mesh,
+        // which never comes.
         mknodat(CWD, path.join("pipe.obj"), FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
         let before = names(path);
         let child = command("fix", path)
@@ -112,11 +113,10 @@ fn fix_when_interrupted_writes_nothing() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut pipe = fs::OpenOptions::new().write(true).open(path.join("pipe.obj")).unwrap();
+        let pipe = fs::OpenOptions::new().write(true).open(path.join("pipe.obj")).unwrap();
         kill_process(Pid::from_child(&child), signal).unwrap();
-        pipe.write_all(SQUARE.as_bytes()).unwrap();
-        drop(pipe);
         let output = child.wait_with_output().unwrap();
+        drop(pipe);
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert_eq!(String::from_utf8_lossy(&output.stderr), "untangled: interrupted; nothing was written\n");
         assert!(output.stdout.is_empty());

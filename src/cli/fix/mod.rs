@@ -49,15 +49,15 @@ use terminal::{Interrupt, Progress};
 /// # Errors
 /// [`FixError`]; one line, exit code 2.
 pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
-    let mut interrupt = Interrupt::listen().map_err(FixError::Signals)?;
-    let report = fix(args, &mut relax_until, &mut interrupt)?;
+    let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
+    let report = fix(args, &mut relax_until, &interrupt)?;
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(FixError::Print)?;
     Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
 }
 
 /// Untangles and writes files. Nothing is at its place before everything is written.
-fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<Report, FixError> {
+fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Report, FixError> {
     let start = Instant::now();
     let mut progress = Progress::new();
     progress.say("reading");
@@ -73,8 +73,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
     let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
-        interrupt.wait_for_files();
-        Repaired::unchanged(repair.write(&input, &input.positions)?)
+        Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
@@ -99,10 +98,11 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &mut Interrupt) -> Result<
         history,
     };
     let report_file = report_target.map(|target| {
-        target.stage(|out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
+        target
+            .stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
     });
     let report_file = report_file.transpose()?;
-    interrupt.check()?;
+    interrupt.commit()?;
     for file in staged.into_iter().chain(report_file) {
         file.persist()?;
     }

@@ -88,10 +88,15 @@ struct Round {
 
 impl Repair<'_> {
     /// Writes positions of the world to temporary files, reads these back and analyses them.
-    pub(super) fn write(&self, start: &Input, positions: &[[f64; 3]]) -> Result<Written, FixError> {
+    pub(super) fn write(
+        &self,
+        start: &Input,
+        positions: &[[f64; 3]],
+        interrupt: &Interrupt,
+    ) -> Result<Written, FixError> {
         let (mut staged, mut meshes, mut names): (Vec<Staged>, Vec<MeshFile>, Vec<PathBuf>) = Default::default();
         for Job { output, target, vertices } in self.jobs {
-            let file = target.stage(|out| {
+            let file = target.stage(interrupt, |out| {
                 output.write(&positions[vertices.clone()], out).map_err(|source| target.failed(&source))
             })?;
             let mesh = read_mesh(file.path()).map_err(|mut error| {
@@ -119,7 +124,7 @@ impl Repair<'_> {
         input: &Input,
         before: &Counts,
         solver: Solver<'_>,
-        interrupt: &mut Interrupt,
+        interrupt: &Interrupt,
         progress: &mut Progress,
     ) -> Result<Repaired, FixError> {
         let mut history: Vec<Iteration> = Vec::new();
@@ -144,15 +149,14 @@ impl Repair<'_> {
             }
         }
         let Some(Round { mut written, blocked, .. }) = best else {
-            interrupt.wait_for_files();
-            return Ok(Repaired::unchanged(self.write(input, &input.positions)?));
+            return Ok(Repaired::unchanged(self.write(input, &input.positions, interrupt)?));
         };
         let mut blocked: Vec<Blocked> = blocked.into_iter().map(Blocked::from).collect();
         let is_worse = written.counts.num_edge_face_intersections > before.num_edge_face_intersections;
         let is_vain = before.is_clean() && rank(&written.counts) >= rank(before);
         if is_worse || is_vain {
             // Rounding made the state worse than the input, or nothing helped another reader.
-            written = self.write(input, &input.positions)?;
+            written = self.write(input, &input.positions, interrupt)?;
             blocked.clear();
         }
         if written.counts.is_clean() {
@@ -170,7 +174,7 @@ impl Repair<'_> {
         view: &View,
         history: &mut Vec<Iteration>,
         solver: Solver<'_>,
-        interrupt: &mut Interrupt,
+        interrupt: &Interrupt,
         progress: &mut Progress,
     ) -> Result<Round, FixError> {
         let max_iterations = self.settings.max_iterations - history.len();
@@ -202,8 +206,8 @@ impl Repair<'_> {
         for path in &mut relaxation.blocked {
             path.vertex = start.weld.first(VertexId(path.vertex));
         }
-        interrupt.wait_for_files();
-        let written = self.write(start, &start.weld.scatter(&start.positions, &relaxation.positions))?;
+        let positions = start.weld.scatter(&start.positions, &relaxation.positions);
+        let written = self.write(start, &positions, interrupt)?;
         interrupt.check()?;
         let lost_clean = was_clean && !written.counts.is_certified();
         Ok(Round { written, blocked: relaxation.blocked, lost_clean, interrupted: relaxation.interrupted })

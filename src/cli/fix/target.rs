@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 
 use crate::cli::input::is_same_file;
 
-use super::error::FixError;
+use super::{error::FixError, terminal::Interrupt};
 
 /// A file that may be written.
 #[derive(Clone, Debug)]
@@ -50,19 +50,21 @@ impl Target {
         name(self) == name(other)
     }
 
-    /// Writes a temporary file beside the place and synchronises it to the disk. It is removed when dropped.
-    pub(super) fn stage(&self, write: impl FnOnce(&mut dyn Write) -> Result<(), FixError>) -> Result<Staged, FixError> {
+    /// Writes a temporary file beside the place and synchronises it to the disk. It is removed when dropped, and by a
+    /// signal.
+    pub(super) fn stage(
+        &self,
+        interrupt: &Interrupt,
+        write: impl FnOnce(&mut dyn Write) -> Result<(), FixError>,
+    ) -> Result<Staged, FixError> {
         let failed = |source: io::Error| self.failed(&source);
         let folder = self.place.parent().unwrap_or(Path::new("/"));
         let extension = self.place.extension().map_or_else(String::new, |name| format!(".{}", name.to_string_lossy()));
         let existing = fs::metadata(&self.place).ok().map(|metadata| metadata.permissions());
-        let file = tempfile::Builder::new()
-            .prefix(".untangled-")
-            .suffix(&extension)
-            // The permissions of a new file, before the user's umask.
-            .permissions(fs::Permissions::from_mode(0o666))
-            .tempfile_in(folder)
-            .map_err(failed)?;
+        let mut builder = tempfile::Builder::new();
+        // The permissions of a new file, before the user's umask.
+        builder.prefix(".untangled-").suffix(&extension).permissions(fs::Permissions::from_mode(0o666));
+        let file = interrupt.stage(|| builder.tempfile_in(folder)).map_err(failed)?;
         let mut out = BufWriter::new(file.as_file());
         write(&mut out)?;
         out.flush().map_err(failed)?;

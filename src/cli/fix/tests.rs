@@ -74,7 +74,7 @@ fn fix_of_more_intersections_than_the_limit_writes_nothing_and_names_the_flag() 
                       _: &RelaxSettings,
                       _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
                       _: &(dyn Fn() -> bool + Sync)| panic!("nothing is untangled");
-    let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
+    let error = fix(&args, &mut solver, &Interrupt::default()).unwrap_err().to_string();
     assert!(
         error.contains("more than 0 pairs of triangles intersect") && error.contains("--max-face-pairs"),
         "{error}"
@@ -98,7 +98,7 @@ fn fix_of_a_solved_state_writes_and_reports_it() {
         assert!(progress(&STEP).is_continue());
         Ok(lift(positions, 1.25))
     };
-    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
     assert!(report.clean && !report.before.is_clean() && report.after.is_clean());
     assert_eq!((report.num_iterations, report.history.as_slice()), (1, [STEP].as_slice()));
     assert_eq!(report.distortion.max_displacement_m, 0.75);
@@ -131,7 +131,7 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
         let height = if rounds.len() < 3 { 1.0 + 0.33 * f64::from(f32::EPSILON) } else { 1.125 };
         Ok(lift(positions, height))
     };
-    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
     assert!(report.clean);
     assert_eq!(rounds, [(0.5, 10), (1.0, 9), (1.0, 8)]);
     assert_eq!((report.num_iterations, report.history.len()), (3, 3));
@@ -146,7 +146,7 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
          _: &RelaxSettings,
          _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
          _: &(dyn Fn() -> bool + Sync)| { Ok(lift(positions, 1.0 + 0.33 * f64::from(f32::EPSILON))) };
-    let report = fix(&args, &mut never, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut never, &Interrupt::default()).unwrap();
     assert!(!report.clean && report.num_iterations == 2);
     assert_eq!(report.blocked[0].reason, "not resolved within 2 iterations");
     assert!(args.out.exists());
@@ -169,7 +169,7 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
                        _: &(dyn Fn() -> bool + Sync)| {
         Ok(Relaxation { blocked: vec![reason.clone()], ..lift(positions, 0.25) })
     };
-    let report = fix(&args, &mut blocked, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut blocked, &Interrupt::default()).unwrap();
     assert!(!report.clean && report.after == report.before);
     let mut expected = Blocked::from(reason.clone());
     (expected.file, expected.vertex_in_file) = (args.files[1].display().to_string(), 0);
@@ -194,7 +194,7 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
         }
         Ok(result(positions))
     };
-    let report = fix(&args, &mut worse, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut worse, &Interrupt::default()).unwrap();
     assert_eq!((report.after, report.distortion.max_displacement_m), (report.before, 0.0));
     assert_eq!(report.blocked[0].reason, "not resolved");
     for (name, text) in third {
@@ -205,7 +205,7 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
 #[test]
 fn fix_when_interrupted_writes_nothing() {
     let (folder, args) = set_up(&[("in.ply", PLY)], &["in.ply"], "out.ply");
-    let mut interrupt = Interrupt::default();
+    let interrupt = Interrupt::default();
     let flag = interrupt.flag();
     let mut solver = |_: &Mesh,
                       positions: &[[f64; 3]],
@@ -217,7 +217,7 @@ fn fix_when_interrupted_writes_nothing() {
         assert!(progress(&STEP).is_break());
         Ok(Relaxation { interrupted: true, ..lift(positions, 1.25) })
     };
-    let error = fix(&args, &mut solver, &mut interrupt).unwrap_err();
+    let error = fix(&args, &mut solver, &interrupt).unwrap_err();
     assert_eq!(error.to_string(), "interrupted; nothing was written");
     assert_eq!(names(&folder), ["in.ply"]);
 }
@@ -236,12 +236,12 @@ fn fix_of_fixed_vertices_requires_them_to_be_pinned() {
         assert!(mesh.vertex_ids().all(|vertex| mesh.is_pinned(vertex)));
         Ok(result(positions.to_vec()))
     };
-    let error = fix(&args, &mut solver, &mut Interrupt::default()).unwrap_err().to_string();
+    let error = fix(&args, &mut solver, &Interrupt::default()).unwrap_err().to_string();
     let expected = "out.ply: vertices 0 to 5 can't be moved: its coordinates are integers; \
                     write .obj or .ply, or pin these vertices";
     assert!(error.ends_with(expected), "{error}");
     args.pin = Some(folder.path().join("pins.txt"));
-    let report = fix(&args, &mut solver, &mut Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
     assert!(!report.clean && calls == 1);
     assert_eq!(fs::read_to_string(&args.out).unwrap(), text);
 }
