@@ -6,6 +6,7 @@ use crate::{
     CheckError, Crossings,
     crossing::{are_apart, triangles_cross},
     groups::Groups,
+    polygon::PolygonRef,
     primitive::Point,
     surface::{MOST_PAIRS, crossings_beyond_groups, num_common},
     tree::{Next, Tree},
@@ -14,15 +15,6 @@ use crate::{
 
 /// Most corners of a polygon whose fans are all tried; of a larger one only that of its first corner is.
 const MOST_CORNERS: usize = 16;
-
-/// One polygon.
-#[derive(Clone, Copy, Debug)]
-pub struct PolygonRef<'a> {
-    /// Its corners, in order.
-    pub corners: &'a [u32],
-    /// Its triangles as the program at hand splits it.
-    pub triangles: &'a [[u32; 3]],
-}
 
 /// A triangle that some reader sees.
 struct Candidate {
@@ -78,7 +70,8 @@ pub fn fan_crossings<'a>(
 /// fan of its first corner. Of the crossings of such a fan with itself, if it has many corners, one is listed: of a
 /// polygon that is not convex there are as many as its corners squared.
 ///
-/// Cost: that of [`crossings`](crate::crossings), without the pairs of a polygon of many corners that lies in one plane.
+/// Cost: that of [`crossings`](crate::crossings), without the pairs of a polygon of many corners that lies in one
+/// plane.
 ///
 /// # Errors
 /// [`CheckError`], naming the vertex at fault.

@@ -4,7 +4,7 @@
 //! The triangles of such a polygon are long, and the boxes of most pairs of them overlap.
 
 use crate::{
-    PolygonRef,
+    polygon::PolygonRef,
     primitive::{Point, Sign, orient2d, orient3d, project},
 };
 

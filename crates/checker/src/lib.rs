@@ -14,6 +14,7 @@
 mod crossing;
 mod fans;
 mod groups;
+mod polygon;
 mod primitive;
 mod surface;
 #[cfg(test)]
@@ -22,7 +23,8 @@ mod tree;
 
 use thiserror::Error;
 
-pub use fans::{PolygonRef, fan_crossings, polygon_crossings};
+pub use fans::{fan_crossings, polygon_crossings};
+pub use polygon::PolygonRef;
 pub use primitive::Point;
 pub use surface::{Crossings, crossings};
 
