@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use untangled_proto::{
-    CorrectionKind, PayloadLayout, Precision, RegisterParams, Status, limits, memory,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, SessionOptions, Status, limits, memory,
     sections::{SectionError, Sections, id},
 };
 use untangled_transport::memory as shared_memory;
@@ -59,8 +59,9 @@ pub fn read(
         let message = "corrections as forces need the mass of each vertex; send masses, or ask for another kind";
         return Err(Refusal::new(Status::MassesRequired, message));
     }
+    let asked = SessionOptions::default();
     let (estimate, limit) =
-        (memory_bytes(num_vertices, num_faces, precision, layout), options.max_session_memory_bytes);
+        (memory_bytes(num_vertices, num_faces, precision, layout, asked), options.max_session_memory_bytes);
     if estimate > limit {
         return Err(Refusal::new(
             Status::TooLarge,
@@ -72,7 +73,7 @@ pub fn read(
             ),
         ));
     }
-    check_memory(memory::session_bytes(num_vertices, precision, layout), reserved_bytes)?;
+    check_memory(memory::session_bytes(num_vertices, precision, layout, asked), reserved_bytes)?;
     let settings = settings(sections, options)?;
     let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
     Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout })

@@ -73,6 +73,7 @@ impl Replier {
                 library_version: LIBRARY_VERSION.to_owned(),
                 iceoryx2_version: ICEORYX2_VERSION.to_owned(),
                 pid: std::process::id(),
+                features: Vec::new(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
             RequestKind::Register => self.open_session(header, request, layout),
