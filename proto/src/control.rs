@@ -137,8 +137,10 @@ impl SessionOptions {
     pub const SPARSE: Self = Self(1);
     /// Sparse corrections with labels: see [`VertexLabel`](crate::VertexLabel).
     pub const LABELS: Self = Self(2);
+    /// A service for repairs: see [`RepairHeader`](crate::RepairHeader).
+    pub const REPAIR: Self = Self(4);
     /// Each option with its name among the features of a [`Hello`].
-    pub const NAMES: [(&str, Self); 2] = [("sparse", Self::SPARSE), ("labels", Self::LABELS)];
+    pub const NAMES: [(&str, Self); 3] = [("sparse", Self::SPARSE), ("labels", Self::LABELS), ("repair", Self::REPAIR)];
 
     /// The options of a value on the wire; nothing where it has bits that are not known.
     #[must_use]
@@ -175,6 +177,12 @@ impl SessionOptions {
     #[must_use]
     pub fn has_labels(self) -> bool {
         self.contains(Self::LABELS)
+    }
+
+    /// Whether frames may be repaired.
+    #[must_use]
+    pub fn has_repairs(self) -> bool {
+        self.contains(Self::REPAIR)
     }
 }
 

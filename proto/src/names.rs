@@ -18,6 +18,8 @@ pub const EVENT_REPLY: usize = 3;
 pub const EVENT_CORRECTION: usize = 4;
 /// Event: a notifier of the other side went away.
 pub const EVENT_GONE: usize = 5;
+/// Event: a repair was sent.
+pub const EVENT_REPAIR: usize = 6;
 /// The largest event id.
 pub const EVENT_MAX: usize = 7;
 
@@ -34,6 +36,8 @@ pub enum SessionService {
     Event,
     /// Intersection paths, daemon to each subscriber.
     Paths,
+    /// Repairs, daemon to host; only for sessions that asked for them.
+    Repair,
 }
 
 /// The name of a session's service.
@@ -45,6 +49,7 @@ pub fn session(instance: u64, session: u64, service: SessionService) -> String {
         SessionService::Sparse => "sparse",
         SessionService::Event => "event",
         SessionService::Paths => "paths",
+        SessionService::Repair => "repair",
     };
     format!("untangled/{instance:016x}/{session}/{last}")
 }

@@ -7,6 +7,7 @@ mod machine;
 mod operating;
 mod protocol_v1;
 mod refusals;
+mod repair;
 mod restarts;
 mod sessions;
 mod timing;

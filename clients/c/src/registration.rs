@@ -7,7 +7,7 @@ use client::{CorrectionKind, Precision, Registration, Uvs};
 use crate::{
     error::{ErrorCode, Fault, guard},
     input,
-    types::{Kind, PositionPrecision},
+    types::{Kind, PositionPrecision, UNTANGLED_REPAIRS},
 };
 
 /// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles`
@@ -46,8 +46,8 @@ pub struct ClothRegistration {
     pub correction: u32,
     /// 1 to receive intersection paths with each correction, else 0.
     pub paths: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Sum of `UNTANGLED_REPAIRS` and so on; 0 for none.
+    pub options: u32,
     /// Settings by name as a JSON object, as in `untangled config`; null for the daemon's defaults.
     pub settings_json: *const c_char,
 }
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn untangled_registration_init(registration: *mut ClothReg
             precision: PositionPrecision::F32 as u32,
             correction: Kind::Displacement as u32,
             paths: 0,
-            reserved: 0,
+            options: 0,
             settings_json: std::ptr::null(),
         });
         Ok(())
@@ -118,6 +118,7 @@ impl ClothRegistration {
             precision: precision(self.precision)?,
             correction: correction(self.correction)?,
             paths: flag("paths", self.paths)?,
+            repairs: self.options & UNTANGLED_REPAIRS != 0,
             settings: settings.map_or(Ok(serde_json::Value::Null), parse)?,
         })
     }
@@ -129,6 +130,10 @@ impl ClothRegistration {
                 "`struct_size` is {given}, not {expected}: call untangled_registration_init, with the header of this \
                  library"
             )));
+        }
+        if self.options & !UNTANGLED_REPAIRS != 0 {
+            let options = self.options;
+            return Err(Fault::argument(format_args!("`options` is {options}, with bits that are not known")));
         }
         let (num_vertices, num_faces) = (self.num_vertices, self.num_triangles);
         if num_vertices > MOST || num_faces > MOST || self.num_uv_coordinates > 3 * MOST || self.num_pins > MOST {

@@ -78,6 +78,7 @@ impl NativeSession {
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
             paths,
+            repairs: false,
             settings: parse(settings)?,
         };
         let timeout = seconds(timeout_s)?;

@@ -39,12 +39,13 @@ mod session;
 
 pub use client::{Client, ClientOptions};
 pub use error::{
-    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
+    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError,
+    WaitError,
 };
 pub use registration::{Registration, Uvs};
-pub use session::{Correction, Loan, LoanMemory, Paths, Session, StepTime};
+pub use session::{Correction, Loan, LoanMemory, Paths, Repair, Session, StepTime};
 pub use untangled_proto::{
-    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
+    CorrectionHeader, CorrectionKind, Precision, RepairHeader, Status, VertexCorrection, flags, pair_type,
     paths::{PathPoint, PathRecord, path_type},
 };
 

@@ -1,7 +1,7 @@
 //! A registration: what a host tells the daemon about its cloth, once.
 
 use untangled_proto::{
-    CorrectionKind, PayloadLayout, Precision, RegisterParams, memory,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, SessionOptions, memory,
     sections::{SectionWriter, id},
 };
 
@@ -28,6 +28,9 @@ pub struct Registration {
     pub correction: CorrectionKind,
     /// Whether corrections shall bring the intersection paths of their frame, for pictures and statistics.
     pub paths: bool,
+    /// Whether frames of this cloth may be repaired: see [`Session::repair`](crate::Session::repair). Takes shared memory
+    /// for four frames more.
+    pub repairs: bool,
     /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
     pub settings: serde_json::Value,
 }
@@ -70,7 +73,17 @@ impl Registration {
         if let Some(settings) = settings_bytes(&self.settings) {
             writer.bytes(id::SETTINGS, settings);
         }
+        let options = self.options();
+        if options != SessionOptions::default() {
+            writer.u32s(id::OPTIONS, &[[options.bits()]]);
+        }
         writer.finish()
+    }
+
+    /// What the session asks for beyond what protocol 1 began with.
+    fn options(&self) -> SessionOptions {
+        let none = SessionOptions::default();
+        if self.repairs { none.with(SessionOptions::REPAIR) } else { none }
     }
 
     /// Shared memory that the host's side of the session takes.

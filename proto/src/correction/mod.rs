@@ -134,7 +134,8 @@ pub struct CorrectionHeader {
     pub num_values: u32,
     /// Number of [`VertexLabel`] behind them; 0 where no labels were asked for.
     pub num_labels: u32,
-    /// Zero.
+    /// With the setting `repair` = `auto`: what the daemon knows of the progress of the host's motion, which the host
+    /// sends back with its next state of the same motion. Zero otherwise.
     pub progress: [u64; 2],
 }
 

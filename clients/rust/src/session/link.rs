@@ -15,7 +15,7 @@ use untangled_transport::{
     services::{self, CorrectionService, Ipc, Position},
 };
 
-use super::paths::PathsPort;
+use super::{paths::PathsPort, repair::RepairPort};
 use crate::{
     control::{Reply, SLICE, check_memory, commit_memory},
     error::RequestError,
@@ -37,6 +37,7 @@ pub(crate) struct Link {
     pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) paths: Option<PathsPort>,
+    pub(crate) repairs: Option<RepairPort>,
     pub(crate) opened: Instant,
     /// When the daemon's process was last checked.
     pub(crate) checked: Instant,
@@ -71,6 +72,10 @@ impl Link {
             true => Some(PathsPort::open(node, &name(SessionService::Paths))?),
             false => None,
         };
+        let repairs = match registration.repairs {
+            true => RepairPort::open(node, &name(SessionService::Repair), registration.precision)?,
+            false => None,
+        };
         let states = name(SessionService::State);
         let states = match registration.precision {
             Precision::F32 => StatePort::F32(publisher(node, &states, registration.num_vertices)?),
@@ -83,7 +88,7 @@ impl Link {
         commit_memory(domain, port_id, needed)?;
         let states = Arc::new(states);
         let opened = Instant::now();
-        Ok(Self { session, states, corrections, listener, paths, opened, checked: opened, service })
+        Ok(Self { session, states, corrections, listener, paths, repairs, opened, checked: opened, service })
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.

@@ -1,0 +1,5 @@
+//! Repairs: a certified answer in one exchange, beside the frames of all sessions.
+
+mod cloth;
+mod exchange;
+mod side_by_side;
