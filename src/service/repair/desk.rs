@@ -79,13 +79,13 @@ impl RepairDesk {
         Self { session, mesh, precision, port, state: Mutex::default() }
     }
 
-    /// Whether a frame is to be repaired: where its state asks for it, or the settings do. Fills in the progress of its
-    /// correction.
+    /// Whether a frame is to be repaired: where its state asks for it, or the settings do. Fills in what its correction
+    /// says of that.
     pub(crate) fn is_wanted(&self, settings: &Settings, state: &StateHeader, header: &mut CorrectionHeader) -> bool {
         let is_asked = state.flags & REPAIR != 0;
         let is_analysed = header.status == Status::Ok.code();
         let num_edge_face = header.num_edge_face_intersections;
-        is_asked
+        let is_wanted = is_asked
             | match settings.repair {
                 Repair::Asked => false,
                 Repair::Auto if !is_analysed => {
@@ -100,7 +100,11 @@ impl RepairDesk {
                     is_due
                 }
                 Repair::Always => num_edge_face > 0 && !self.is_busy(),
-            }
+            };
+        if is_wanted && is_repairable(header.status) {
+            header.flags |= correction::REPAIRING;
+        }
+        is_wanted
     }
 
     /// Has a frame repaired, which replaces one that waits; gives back the job to queue, if none is. `header` is that
@@ -112,8 +116,7 @@ impl RepairDesk {
         header: &CorrectionHeader,
         frame: &Frame,
     ) -> Option<RepairJob> {
-        // What the time of a frame does not suffice for may be repaired.
-        if ![Status::Ok.code(), Status::OutOfTime.code()].contains(&header.status) {
+        if !is_repairable(header.status) {
             self.send(&mut refused(header), &[]);
             return None;
         }
@@ -205,6 +208,12 @@ impl Job for RepairJob {
         let goes_on = desk.upgrade()?.goes_on();
         goes_on.then_some(self)
     }
+}
+
+/// Whether a frame whose correction has this status may be repaired: the time of a frame may not suffice for what that
+/// of a repair does.
+fn is_repairable(status: u32) -> bool {
+    [Status::Ok.code(), Status::OutOfTime.code()].contains(&status)
 }
 
 /// The answer to a request for a frame that can't be used: what its correction says.

@@ -24,6 +24,7 @@ fn exchange(session: &mut Session, positions: &[[f64; 3]]) -> u64 {
         match session.exchange_f64(STEP, PATIENCE, |slots| slots.copy_from_slice(positions)) {
             Ok(correction) => {
                 num_repairs = correction.header().progress[1] >> 48;
+                assert_eq!(correction.is_being_repaired(), num_repairs > 0);
                 true
             }
             Err(

@@ -1,7 +1,11 @@
 //! A correction, read in place in shared memory.
 
 use iceoryx2::sample::Sample;
-use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, limits};
+use untangled_proto::{
+    CorrectionHeader, Status, VertexCorrection,
+    correction::{NO_FAULT, REPAIRING},
+    limits,
+};
 use untangled_transport::services::Ipc;
 
 use super::paths::{Paths, PathsSample};
@@ -44,6 +48,12 @@ impl Correction {
     #[must_use]
     pub fn header(&self) -> &CorrectionHeader {
         &self.header
+    }
+
+    /// Whether a repair of the frame is going to come: see [`Session::wait_repair`](super::Session::wait_repair).
+    #[must_use]
+    pub fn is_being_repaired(&self) -> bool {
+        self.header.flags & REPAIRING != 0
     }
 
     /// Value and flags of each vertex, `num_vertices`.
