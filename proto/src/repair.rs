@@ -57,5 +57,5 @@ pub struct RepairHeader {
     /// Requests of this session so far that a newer one replaced while they waited.
     pub num_replaced: u64,
     /// Zero.
-    pub reserved: [u64; 4],
+    pub reserved: [u64; 5],
 }

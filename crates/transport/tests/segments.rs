@@ -10,8 +10,8 @@ use iceoryx2::{
 use untangled_proto::{
     PayloadLayout, PositionF32, PositionF64, Precision, SessionOptions,
     memory::{
-        REQUEST_SAMPLES, correction_segment_bytes, paths_sample_bytes, reply_sample_bytes, request_segment_bytes,
-        session_bytes, sparse_words, state_segment_bytes,
+        REQUEST_SAMPLES, correction_segment_bytes, paths_sample_bytes, repair_segment_bytes, reply_sample_bytes,
+        request_segment_bytes, session_bytes, sparse_words, state_segment_bytes,
     },
 };
 use untangled_transport::{
@@ -112,6 +112,25 @@ fn segments_of_sparse_corrections_are_what_the_formula_says() {
                 let what = format!("{num_vertices} vertices, {options:?}, {layout:?}");
                 assert_close(correction_segment_bytes(num_vertices, layout, options), made, &what);
             }
+        }
+    }
+}
+
+#[test]
+fn segments_of_repairs_are_what_the_formula_says() {
+    let place = Place::new("repairs");
+    for (k, layout) in LAYOUTS.into_iter().enumerate() {
+        for num_vertices in [1, 1000, 40_000] {
+            let name = |kind: &str| format!("test/{kind}/{k}/{num_vertices}");
+            let service = PositionF32::create_repairs(&place.node, &name("f32"), layout).unwrap();
+            let port = service.publisher_builder().initial_max_slice_len(num_vertices).max_loaned_samples(1).create();
+            let made = place.segment(port.unwrap().id().value());
+            let what = format!("{num_vertices} vertices, {layout:?}");
+            assert_close(repair_segment_bytes(num_vertices, Precision::F32, layout), made, &what);
+            let service = PositionF64::create_repairs(&place.node, &name("f64"), layout).unwrap();
+            let port = service.publisher_builder().initial_max_slice_len(num_vertices).max_loaned_samples(1).create();
+            let made = place.segment(port.unwrap().id().value());
+            assert_close(repair_segment_bytes(num_vertices, Precision::F64, layout), made, &what);
         }
     }
 }
