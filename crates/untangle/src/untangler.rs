@@ -86,6 +86,7 @@ impl Untangler {
             observer.begin(Stage::Respond);
             let (found, add) = self.responder.displacement_adder(&self.mesh);
             self.coupled.step(&self.mesh, frame, analysis, found, add);
+            self.responder.list_touched();
             observer.end();
         }
         Outcome {

@@ -192,8 +192,20 @@ feed_fields! {
     PathSegment { own, partner }
     InsideRegions { by_copy, vertices, order, num_done }
     InsideRegion { partitioning, vertices, joint, disc_radius }
-    Corrections { forces, flags, net_force, net_torque, max_displacement_m, left_out }
     LeftOut { num_pairs, length_m }
+}
+
+impl Feed for Corrections {
+    fn feed(&self, digest: &mut Digest) {
+        // Which vertices were touched follows from forces and flags.
+        let Self { forces, flags, touched: _, net_force, net_torque, max_displacement_m, left_out } = self;
+        forces.feed(digest);
+        flags.feed(digest);
+        net_force.feed(digest);
+        net_torque.feed(digest);
+        max_displacement_m.feed(digest);
+        left_out.feed(digest);
+    }
 }
 
 /// Values that are fed as another value.
