@@ -12,6 +12,7 @@ use crate::{
     analysis::Analysis,
     correspond::{Correspondences, Correspondent},
     frame::Frame,
+    labels::Labeller,
     mesh::{Mesh, VertexId},
     regions::starts_pair,
     settings::{Response, Settings},
@@ -26,9 +27,16 @@ pub struct Responder {
     path_forces: PathForces,
     /// Scratch of the flags.
     front: Vec<VertexId>,
+    labeller: Labeller,
+    is_labelled: bool,
 }
 
 impl Responder {
+    /// Switches labels on or off, from the next frame on: they are found only where somebody asks for them.
+    pub fn set_labelled(&mut self, is_labelled: bool) {
+        self.is_labelled = is_labelled;
+    }
+
     /// Computes the corrections of one frame from its analysis.
     pub fn respond(
         &mut self,
@@ -49,6 +57,9 @@ impl Responder {
         };
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
+        if self.is_labelled {
+            self.labeller.find(mesh, frame, analysis, settings, &mut self.corrections.labels);
+        }
         if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
             let view = AnalysedFrame { mesh, frame, analysis, settings };
             num_done = self.path_forces.sum(&view, found, num_done, observer);
@@ -109,6 +120,7 @@ impl Corrections {
         self.forces.resize(num_vertices, Vector3::zeros());
         self.flags.clear();
         self.flags.resize(num_vertices, VertexFlags::default());
+        self.labels.clear();
         self.net_force = Vector3::zeros();
         self.net_torque = Vector3::zeros();
         self.max_displacement_m = 0.0;
