@@ -78,8 +78,8 @@ pub struct Corrections {
     pub forces: Vec<Vector3<f64>>,
     /// Flags of each vertex.
     pub flags: Vec<VertexFlags>,
-    /// Labels of some vertices, by vertex, then by pair: which contacts have to be off. Empty unless they were asked for
-    /// ([`Responder::set_labelled`]).
+    /// Labels of some vertices, by vertex, then by pair: which contacts have to be off. Empty unless they were asked
+    /// for ([`Responder::set_labelled`]).
     pub labels: Vec<VertexLabel>,
     /// Sum of all forces before the limit and the pins, in the unit of `forces`.
     pub net_force: Vector3<f64>,
