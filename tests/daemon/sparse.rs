@@ -1,6 +1,16 @@
 //! Sparse corrections beside dense ones of the same frames.
 
-use untangled_client::{Correction, CorrectionKind, Registration, Session, VertexCorrection, VertexEntry, flags};
+use std::sync::Arc;
+
+use untangle::{
+    frame::Frame,
+    mesh::{Mesh, MeshDescription},
+    settings::Settings,
+    untangler::Untangler,
+};
+use untangled_client::{
+    ContactFilter, Correction, CorrectionKind, Registration, Session, VertexCorrection, VertexEntry, flags,
+};
 use untangled_proto::{
     RegisterParams, RequestKind, Status,
     sections::{SectionWriter, id},
@@ -114,4 +124,38 @@ fn options_that_are_not_known_are_refused_in_words() {
         assert_eq!((reply.status, said.as_str()), (Status::BadRequest.code(), words));
     }
     assert_eq!(register(vec![3, 0, 0, 0]).0.status, 0);
+}
+
+#[test]
+fn labels_of_a_frame_are_those_of_the_library() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let cloth = KnownCloth::new(400);
+    let registration = Registration { labels: true, ..cloth.registration() };
+    let description = MeshDescription {
+        num_vertices: registration.num_vertices,
+        faces: registration.triangles.clone(),
+        masses_kg: registration.masses_kg.clone(),
+        ..MeshDescription::default()
+    };
+    let mesh = Arc::new(Mesh::new(description).unwrap());
+    let mut untangler = Untangler::new(Arc::clone(&mesh), Settings::default()).unwrap();
+    untangler.set_labelled(true);
+    let mut session = domain.connect().register(registration).unwrap();
+    let mut filter = ContactFilter::new(session.num_vertices());
+    let mut num_labels = Vec::new();
+    for _ in 0..8 {
+        let correction = cloth.exchange(&mut session, PATIENCE).unwrap();
+        let positions: Vec<_> = cloth.positions(correction.frame()).iter().map(|p| p.map(f64::from)).collect();
+        let frame = Frame::new(&mesh, &positions).unwrap();
+        let labels = &untangler.process(&frame, &mut ()).corrections.labels;
+        let expected: Vec<_> = labels.iter().map(|label| [label.vertex.0, label.label]).collect();
+        let sent: Vec<_> = correction.labels().iter().map(|label| [label.vertex, label.label]).collect();
+        assert_eq!(sent, expected, "frame {}", correction.frame());
+        assert_eq!(correction.header().num_labels as usize, expected.len());
+        filter.set(correction.labels().iter().map(|label| (label.vertex, label.label)));
+        assert_eq!(filter.is_empty(), expected.is_empty());
+        num_labels.push(expected.len());
+    }
+    assert!(num_labels.contains(&0) && num_labels.iter().any(|&num| num > 20), "{num_labels:?}");
 }

@@ -41,13 +41,14 @@ impl VertexLabel {
     pub const FIRST: u32 = 1;
     /// The side of a pair's second copy.
     pub const SECOND: u32 = 2;
-    /// Both sides: that of a path that is its own partner.
+    /// Both sides: that of a path that is its own partner, or of a vertex on both sheets.
     pub const BOTH: u32 = 3;
     /// The label of a vertex that belongs to more sides than fit the message: both sides of every pair. It is the only
     /// label of its vertex.
     pub const ANY: u32 = u32::MAX;
 
-    /// The pair of paths.
+    /// The number of the pair: below the number of pairs of the frame it is that of the paths, see
+    /// [`PathRecord::pair`](crate::paths::PathRecord::pair), otherwise that plus the number of pairs.
     #[must_use]
     pub fn pair(self) -> u32 {
         self.label >> 2

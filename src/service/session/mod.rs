@@ -92,8 +92,9 @@ impl Session {
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
         let Registered { mesh, settings, precision, correction, layout, options } = registered;
-        let untangler =
+        let mut untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        untangler.set_labelled(options.has_labels());
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
         let num_vertices = mesh.num_vertices();
         let port = PortOptions { domain, instance, session: id, num_vertices, layout, options };

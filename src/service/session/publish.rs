@@ -1,11 +1,12 @@
 //! Publishing: from the outcome of a frame to the header and the values of the sample that a host reads.
 
 use untangled_proto::{
-    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection, VertexLabel,
+    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
     correction::{NO_FAULT, TRUNCATED, flags, pair_type},
 };
 
 use untangle::{
+    labels::VertexLabel,
     mesh::{Mesh, VertexId},
     paths::PairType,
     respond::{Corrections, VertexFlags},
@@ -101,7 +102,7 @@ impl<'a> Values<'a> {
 
     /// Labels, ascending by vertex.
     pub(crate) fn labels(&self) -> &'a [VertexLabel] {
-        &[]
+        &self.corrections.labels
     }
 }
 

@@ -137,7 +137,8 @@ impl Work {
 
     /// Replaces the untangler after a panic, which may have left its memory inconsistent. Its settings are valid still.
     fn reset(&mut self) {
-        if let Ok(fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+        if let Ok(mut fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+            fresh.set_labelled(self.untangler.is_labelled());
             self.untangler = fresh;
         }
     }

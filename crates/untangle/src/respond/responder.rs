@@ -12,6 +12,7 @@ use crate::{
     analysis::Analysis,
     correspond::{Correspondences, Correspondent},
     frame::Frame,
+    labels::Labeller,
     mesh::{Mesh, MeshIdentity, VertexId},
     regions::starts_pair,
     settings::{Response, Settings},
@@ -28,9 +29,22 @@ pub struct Responder {
     front: Vec<VertexId>,
     /// The mesh that the corrections are of.
     identity: Option<MeshIdentity>,
+    labeller: Labeller,
+    is_labelled: bool,
 }
 
 impl Responder {
+    /// Switches labels on or off, from the next frame on: they are found only where somebody asks for them.
+    pub fn set_labelled(&mut self, is_labelled: bool) {
+        self.is_labelled = is_labelled;
+    }
+
+    /// Whether labels are found.
+    #[must_use]
+    pub fn is_labelled(&self) -> bool {
+        self.is_labelled
+    }
+
     /// Computes the corrections of one frame from its analysis.
     pub fn respond(
         &mut self,
@@ -56,6 +70,9 @@ impl Responder {
         };
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections, &mut self.front);
+        if self.is_labelled {
+            self.labeller.find(mesh, frame, analysis, settings, &mut self.corrections.labels);
+        }
         if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
             let view = AnalysedFrame { mesh, frame, analysis, settings };
             num_done = self.path_forces.sum(&view, found, num_done, observer);
@@ -180,6 +197,7 @@ impl Corrections {
             self.forces[vertex.index()] = Vector3::zeros();
             self.flags[vertex.index()].0 &= VertexFlags::PINNED.0;
         }
+        self.labels.clear();
         self.net_force = Vector3::zeros();
         self.net_torque = Vector3::zeros();
         self.max_displacement_m = 0.0;

@@ -1,6 +1,7 @@
 //! Labels that fit the room of a sample.
 
-use untangled_proto::VertexLabel;
+use untangle::labels::VertexLabel;
+use untangled_proto::VertexLabel as WireLabel;
 
 /// Fits the labels of frames, reusing its memory.
 #[derive(Debug, Default)]
@@ -11,16 +12,16 @@ pub(super) struct Labels {
 
 impl Labels {
     /// Passes labels, ascending by vertex, on to `take`, at most `room` of them. Where there are more, vertices with
-    /// more than so many labels have one in place of theirs that stands for all, [`VertexLabel::ANY`], so that the mask
+    /// more than so many labels have one in place of theirs that stands for all, [`WireLabel::ANY`], so that the mask
     /// becomes wider and loses nothing. `room` must hold one label for each vertex that has any.
     ///
     /// Cost: one pass over the labels; some more where they do not fit.
-    pub(super) fn fit(&mut self, labels: &[VertexLabel], room: usize, mut take: impl FnMut(VertexLabel)) {
+    pub(super) fn fit(&mut self, labels: &[VertexLabel], room: usize, mut take: impl FnMut(WireLabel)) {
         let most = self.most_labels(labels, room);
         for group in labels.chunk_by(|one, next| one.vertex == next.vertex) {
             match group.first() {
-                Some(first) if group.len() > most => take(VertexLabel { label: VertexLabel::ANY, ..*first }),
-                _ => group.iter().copied().for_each(&mut take),
+                Some(first) if group.len() > most => take(WireLabel { vertex: first.vertex.0, label: WireLabel::ANY }),
+                _ => group.iter().for_each(|label| take(WireLabel { vertex: label.vertex.0, label: label.label })),
             }
         }
     }
@@ -49,18 +50,21 @@ impl Labels {
 
 #[cfg(test)]
 mod tests {
+    use untangle::mesh::VertexId;
+
     use super::*;
 
     fn fit(labels: &[[u32; 2]], room: usize) -> Vec<[u32; 2]> {
-        let labels: Vec<_> = labels.iter().map(|&[vertex, label]| VertexLabel { vertex, label }).collect();
+        let labels: Vec<_> =
+            labels.iter().map(|&[vertex, label]| VertexLabel { vertex: VertexId(vertex), label }).collect();
         let mut fitted = Vec::new();
-        Labels::default().fit(&labels, room, |VertexLabel { vertex, label }| fitted.push([vertex, label]));
+        Labels::default().fit(&labels, room, |WireLabel { vertex, label }| fitted.push([vertex, label]));
         fitted
     }
 
     #[test]
     fn labels_that_fit_are_passed_on_and_others_replaced_from_the_longest_lists_on() {
-        const ANY: u32 = VertexLabel::ANY;
+        const ANY: u32 = WireLabel::ANY;
         let all = [[1, 4], [2, 4], [2, 9], [5, 4], [5, 9], [5, 13], [7, 5], [7, 6]];
         assert_eq!(fit(&all, 8), all);
         for room in [6, 7] {
