@@ -10,4 +10,5 @@ mod refusals;
 mod repair;
 mod restarts;
 mod sessions;
+mod sparse;
 mod timing;

@@ -35,11 +35,12 @@ struct Open {
 
 #[pymethods]
 impl NativeSession {
-    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64. `forms` says whether corrections shall
+    /// be sparse, and whether they shall have labels.
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, repairs, settings
+        paths, repairs, forms, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -58,6 +59,7 @@ impl NativeSession {
         kind: &str,
         paths: bool,
         repairs: bool,
+        forms: (bool, bool),
         settings: &str,
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
@@ -79,6 +81,8 @@ impl NativeSession {
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
+            sparse: forms.0,
+            labels: forms.1,
             paths,
             repairs,
             settings: parse(settings)?,

@@ -41,13 +41,14 @@ impl VertexLabel {
     pub const FIRST: u32 = 1;
     /// The side of a pair's second copy.
     pub const SECOND: u32 = 2;
-    /// Both sides: that of a path that is its own partner.
+    /// Both sides: that of a path that is its own partner, or of a vertex on both sheets.
     pub const BOTH: u32 = 3;
     /// The label of a vertex that belongs to more sides than fit the message: both sides of every pair. It is the only
     /// label of its vertex.
     pub const ANY: u32 = u32::MAX;
 
-    /// The pair of paths.
+    /// The number of the pair: below the number of pairs of the frame it is that of the paths, see
+    /// [`PathRecord::pair`](crate::paths::PathRecord::pair), otherwise that plus the number of pairs.
     #[must_use]
     pub fn pair(self) -> u32 {
         self.label >> 2
@@ -67,20 +68,27 @@ impl CorrectionHeader {
     /// Cost: one pass over entries and labels.
     #[must_use]
     pub fn split<'a>(&self, payload: &'a [u32]) -> Option<(&'a [VertexEntry], &'a [VertexLabel])> {
+        let (entries, labels) = self.parts(payload)?;
+        let in_range = |vertex: Option<u32>| vertex.is_none_or(|vertex| vertex < self.num_vertices);
+        let in_order = entries.is_sorted_by(|one, next| one.vertex < next.vertex)
+            && labels.is_sorted_by(|one, next| one < next)
+            && in_range(entries.last().map(|entry| entry.vertex))
+            && in_range(labels.last().map(|label| label.vertex));
+        in_order.then_some((entries, labels))
+    }
+
+    /// Entries and labels of a sparse payload, in place, with whatever vertices they have; nothing where its length is
+    /// not what this header says.
+    #[must_use]
+    pub fn parts<'a>(&self, payload: &'a [u32]) -> Option<(&'a [VertexEntry], &'a [VertexLabel])> {
         let (num_values, num_labels) = (self.num_values as usize, self.num_labels as usize);
         let entries = payload.get(..num_values.checked_mul(ENTRY_WORDS)?)?;
         let labels = &payload[entries.len()..];
         // SAFETY: both structs are repr(C) of words without padding, with the alignment of a word, so that any words
         // are valid values.
         let (entries, labels) = unsafe { (entries.align_to::<VertexEntry>(), labels.align_to::<VertexLabel>()) };
-        let whole = entries.2.is_empty() && labels.2.is_empty() && labels.1.len() == num_labels;
-        let (entries, labels) = (entries.1, labels.1);
-        let in_range = |vertex: Option<u32>| vertex.is_none_or(|vertex| vertex < self.num_vertices);
-        let in_order = entries.is_sorted_by(|one, next| one.vertex < next.vertex)
-            && labels.is_sorted_by(|one, next| one < next)
-            && in_range(entries.last().map(|entry| entry.vertex))
-            && in_range(labels.last().map(|label| label.vertex));
-        (whole && in_order).then_some((entries, labels))
+        let is_whole = entries.2.is_empty() && labels.2.is_empty() && labels.1.len() == num_labels;
+        is_whole.then_some((entries.1, labels.1))
     }
 }
 

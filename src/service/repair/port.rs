@@ -10,17 +10,16 @@ use untangled_proto::{
 };
 use untangled_transport::{
     Domain, memory,
-    services::{self, Event, Ipc, Position, Repairs},
+    services::{Event, Ipc, Position, Repairs},
 };
 
 use crate::service::error::{Refusal, ServeError};
 
-/// Sends repairs and wakes the host. Fields are dropped in order: ports before services.
+/// Sends repairs and wakes the host.
 #[derive(Debug)]
 pub(crate) struct RepairPort {
     publisher: Displacements,
     notifier: Notifier<Ipc>,
-    _event: Event,
 }
 
 /// A publisher in the precision of the session.
@@ -30,6 +29,7 @@ enum Displacements {
     F64(Publication<PositionF64>),
 }
 
+/// Fields are dropped in order: the port before its service.
 #[derive(Debug)]
 struct Publication<P: Position> {
     publisher: Publisher<Ipc, [P], RepairHeader>,
@@ -38,7 +38,7 @@ struct Publication<P: Position> {
 
 /// The session that a port is made for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PortOptions<'a> {
+pub(crate) struct RepairPortOptions<'a> {
     pub(crate) domain: &'a Domain,
     pub(crate) instance: u64,
     pub(crate) session: u64,
@@ -48,17 +48,14 @@ pub(crate) struct PortOptions<'a> {
 }
 
 impl RepairPort {
-    /// Creates the service of a session, whose event is there, and its publisher.
-    pub(crate) fn create(node: &Node<Ipc>, options: PortOptions<'_>) -> Result<Self, Refusal> {
-        let event = names::session(options.instance, options.session, SessionService::Event);
-        let event =
-            services::open_event(node, &event).map_err(|error| failed("opening the session's event", &error))?;
+    /// Creates the service of a session, and its publisher; `event` is that of the session.
+    pub(crate) fn create(node: &Node<Ipc>, event: &Event, options: RepairPortOptions<'_>) -> Result<Self, Refusal> {
         let notifier = event.notifier_builder().create().map_err(|error| failed("creating a notifier", &error))?;
         let publisher = match options.precision {
             Precision::F32 => Displacements::F32(Publication::create(node, options)?),
             Precision::F64 => Displacements::F64(Publication::create(node, options)?),
         };
-        Ok(Self { publisher, notifier, _event: event })
+        Ok(Self { publisher, notifier })
     }
 
     /// Sends a repair, `num_vertices x 3` in metres, and wakes the host.
@@ -78,8 +75,8 @@ impl RepairPort {
 }
 
 impl<P: Position> Publication<P> {
-    fn create(node: &Node<Ipc>, options: PortOptions<'_>) -> Result<Self, Refusal> {
-        let PortOptions { domain, instance, session, num_vertices, layout, .. } = options;
+    fn create(node: &Node<Ipc>, options: RepairPortOptions<'_>) -> Result<Self, Refusal> {
+        let RepairPortOptions { domain, instance, session, num_vertices, layout, .. } = options;
         let name = names::session(instance, session, SessionService::Repair);
         let service =
             P::create_repairs(node, &name, layout).map_err(|error| failed("creating the repair service", &error))?;

@@ -36,12 +36,12 @@ use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
 
 use super::{
     error::{Refusal, ServeError},
-    repair::{Counts, PortOptions, RepairDesk, RepairPort, RepairWorkers},
+    repair::{Counts, RepairDesk, RepairPort, RepairPortOptions, RepairWorkers},
     throttle::Throttle,
 };
 pub use estimate::memory_bytes;
 use paths::PathsPort;
-use ports::{CorrectionPort, StatePort};
+use ports::{CorrectionPort, PortOptions, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
 use work::{SessionRepairs, Work};
@@ -102,18 +102,20 @@ impl Session {
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
         let Registered { mesh, settings, precision, correction, layout, options } = registered;
-        let untangler =
+        let mut untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        untangler.set_labelled(options.has_labels());
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
-        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices(), layout)?;
+        let num_vertices = mesh.num_vertices();
+        let port = PortOptions { domain, instance, session: id, num_vertices, layout, options };
+        let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
         let repairs = if options.has_repairs() {
             shared.workers.start().map_err(|error| {
                 Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
             })?;
-            let num_vertices = mesh.num_vertices();
-            let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout };
-            let port = RepairPort::create(node, port)?;
+            let port = RepairPortOptions { domain, instance, session: id, num_vertices, precision, layout };
+            let port = RepairPort::create(node, corrections.event(), port)?;
             Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port)))
         } else {
             None
