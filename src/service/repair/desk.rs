@@ -243,12 +243,7 @@ fn answer(
     let deadline = request.time.and_then(|time| request.asked.checked_add(time));
     let should_stop = || desk.strong_count() == 0 || deadline.is_some_and(|deadline| Instant::now() >= deadline);
     let task = Task { mesh, positions: &request.positions, precision, limits: request.limits };
-    // A defect that one frame brings out costs this repair only.
-    let solved = catch_unwind(AssertUnwindSafe(|| solve(&task, &should_stop)));
-    let (mut header, displacements) = solved.unwrap_or_else(|_| {
-        let status = Status::Internal.code();
-        (RepairHeader { status, fault_index: NO_FAULT, ..RepairHeader::default() }, Vec::new())
-    });
+    let (mut header, displacements) = guarded(|| solve(&task, &should_stop));
     if header.status == Status::OutOfTime.code() {
         #[expect(clippy::cast_precision_loss, reason = "only for messages")]
         let limit_us = request.time.map_or(0, |time| time.as_micros()) as f64;
@@ -260,6 +255,26 @@ fn answer(
     (header, displacements)
 }
 
+/// A defect that one frame brings out costs this repair only.
+fn guarded(work: impl FnOnce() -> (RepairHeader, Vec<[f64; 3]>)) -> (RepairHeader, Vec<[f64; 3]>) {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+        let status = Status::Internal.code();
+        (RepairHeader { status, fault_index: NO_FAULT, ..RepairHeader::default() }, Vec::new())
+    })
+}
+
 fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn guarded_answers_a_panic_with_status_internal() {
+        let (header, displacements) = guarded(|| panic!("on purpose"));
+        assert_eq!((header.status, header.fault_index), (Status::Internal.code(), NO_FAULT));
+        assert!(displacements.is_empty() && header.flags == 0);
+    }
 }

@@ -34,7 +34,7 @@ fn nearest(to: f64, candidates: [(f64, f64); 3]) -> (f64, f64) {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "bits are what is asked for")]
+#[expect(clippy::float_cmp, clippy::cast_possible_truncation, reason = "bits are what is asked for")]
 mod tests {
     use super::*;
 

@@ -6,7 +6,7 @@ use untangled_proto::RepairHeader;
 
 /// Fills in how far vertices move, and how edges and faces change. Edges without length and faces without area before
 /// are left out.
-#[expect(clippy::cast_precision_loss, reason = "numbers of vertices are far below 2^52")]
+#[expect(clippy::float_cmp, reason = "what did not move has the same bits")]
 pub(super) fn measure(header: &mut RepairHeader, mesh: &Mesh, before: &[[f64; 3]], after: &[[f64; 3]]) {
     let points = |positions: &[[f64; 3]], index: usize| Point3::from(positions[index]);
     let (mut sum, mut largest, mut num_moved) = (0.0, 0.0f64, 0u32);
