@@ -27,7 +27,17 @@
 // Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
 #define UNTANGLED_MASK 3
 
-// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four frames more.
+// Option of a registration: corrections list only the vertices that have a value or a flag, see `untangled_entries`.
+// `vertices` of a correction holds all of them even so, at the cost of these entries. A daemon that is too old sends
+// all vertices.
+#define UNTANGLED_SPARSE 1
+
+// Option of a registration: corrections have labels, which say of single contacts whether they have to be off, see
+// `untangled_contacts_set`. Makes them sparse as well. A daemon that is too old sends none.
+#define UNTANGLED_LABELS 2
+
+// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four
+// frames more.
 #define UNTANGLED_REPAIRS 4
 
 // The version of this interface. It changes where a program has to be compiled again.
@@ -170,7 +180,7 @@ typedef struct {
     uint32_t correction;
     // 1 to receive intersection paths with each correction, else 0.
     uint32_t paths;
-    // Sum of `UNTANGLED_REPAIRS` and so on; 0 for none.
+    // Sum of `UNTANGLED_SPARSE` and so on; 0 for none.
     uint32_t options;
     // Settings by name as a JSON object, as in `untangled config`; null for the daemon's defaults.
     const char *settings_json;

@@ -76,8 +76,8 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("settings.deadline_us", DEADLINE),
     (
         "settings.repair",
-        "Which frames are repaired, in sessions that asked for repairs: those that are `asked` for, by themselves those \
-         in which a tangle does not shrink, `auto`, or `always` those in which something intersects.",
+        "Which frames are repaired, in sessions that asked for repairs: those that are `asked` for, besides those at \
+         which a tangle does not shrink (`auto`), or all in which something intersects (`always`).",
     ),
     ("settings.repair_deadline_us", REPAIR_DEADLINE),
     ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),

@@ -11,8 +11,9 @@
 //! events all threads sleep. Everything that a peer wrote is copied before it is checked, because the peer may go on
 //! writing.
 //!
-//! The folders, from the bottom up: `repair` (one frame moved to where nothing intersects), [`session`] (one cloth and its frames), [`requests`] (what clients ask for, and the
-//! sessions that are open), `housekeeping` (resources of crashed peers, limits of this process). `daemon` is on top.
+//! The folders, from the bottom up: `repair` (one frame moved to where nothing intersects), [`session`] (one cloth and
+//! its frames), [`requests`] (what clients ask for, and the sessions that are open), `housekeeping` (resources of
+//! crashed peers, limits of this process). `daemon` is on top.
 
 mod daemon;
 mod error;

@@ -69,7 +69,8 @@ pub(crate) fn lock<T>(object: &Mutex<T>) -> MutexGuard<'_, T> {
     object.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A session with the loan, the corrections and the repair that the caller holds. Fields are dropped in order: the session last.
+/// A session with the loan, the corrections and the repair that the caller holds. Fields are dropped in order:
+/// the session last.
 #[derive(Debug)]
 pub(crate) struct OpenSession {
     pub(crate) loan: Option<Loan>,

@@ -60,7 +60,8 @@ pub const UNTANGLED_SPARSE: u32 = 1;
 /// Option of a registration: corrections have labels, which say of single contacts whether they have to be off, see
 /// `untangled_contacts_set`. Makes them sparse as well. A daemon that is too old sends none.
 pub const UNTANGLED_LABELS: u32 = 2;
-/// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four frames more.
+/// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four
+/// frames more.
 pub const UNTANGLED_REPAIRS: u32 = 4;
 
 /// Value and flags of a vertex.

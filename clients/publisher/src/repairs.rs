@@ -58,8 +58,8 @@ impl RepairPolicy {
 /// Waits for the repair of a frame and continues from the state that it leads to. Gives back whether it came, and
 /// whether nothing intersects in that state.
 ///
-/// The state is exactly that of the frame, since nothing moves meanwhile; so this host has the very bits that the daemon
-/// checked. A simulator that does not wait adds the displacements to the positions of the time at which
+/// The state is exactly that of the frame, since nothing moves meanwhile; so this host has the very bits that the
+/// daemon checked. A simulator that does not wait adds the displacements to the positions of the time at which
 /// [`Session::poll_repair`] has them.
 ///
 /// # Errors

@@ -35,8 +35,9 @@ pub struct Registration {
     pub labels: bool,
     /// Whether corrections shall bring the intersection paths of their frame, for pictures and statistics.
     pub paths: bool,
-    /// Whether frames of this cloth may be repaired: see [`Session::repair`](crate::Session::repair). Takes shared memory
-    /// for four frames more.
+    /// Whether frames of this cloth may be repaired: see [`Session::repair`](crate::Session::repair). Takes shared
+    /// memory for four frames more. Without a daemon that knows repairs there are none: see
+    /// [`Session::has_repairs`](crate::Session::has_repairs).
     pub repairs: bool,
     /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
     pub settings: serde_json::Value,

@@ -78,8 +78,8 @@ pub mod stage {
 /// Flag in [`CorrectionHeader::flags`]: a limit ended the work, of time or of intersections. With status 0 the
 /// correction is the best so far; with another one nothing is known of the frame.
 pub const TRUNCATED: u32 = 1;
-/// Flag in [`CorrectionHeader::flags`]: the frame is going to be repaired, since its state or the settings asked for it,
-/// and nothing that can't be used stands in the way. Only for sessions with a repair service.
+/// Flag in [`CorrectionHeader::flags`]: a repair of the frame is going to come, since its state or the settings asked
+/// for it. Only for sessions with a repair service.
 pub const REPAIRING: u32 = 1 << 1;
 /// [`CorrectionHeader::fault_index`] where no element is at fault.
 pub const NO_FAULT: u64 = u64::MAX;

@@ -6,8 +6,8 @@ use untangled_proto::{PayloadLayout, Precision, SessionOptions, memory};
 /// 99,937 vertices and 198,578 faces takes 69 MB (`tests/daemon/operating/memory.rs`); what intersects comes on top.
 const PER_VERTEX: u64 = 300;
 const PER_FACE: u64 = 300;
-/// Memory of a repair for each vertex and each face, on top: trial displacements, each with its frame and its search. One
-/// of 19,962 vertices and 39,328 faces took 148 MB.
+/// Memory of a repair for each vertex and each face, on top: trial displacements, each with its frame and its search.
+/// One of 19,962 vertices and 39,328 faces took 148 MB.
 const PER_REPAIRED_VERTEX: u64 = 4000;
 const PER_REPAIRED_FACE: u64 = 2500;
 /// Memory of a session however small.
