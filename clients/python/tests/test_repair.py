@@ -28,7 +28,8 @@ def test_repair_comes_beside_corrections_and_is_polled(sheets, domain):
     with untangled.Session(sheets.triangles, repairs=True, domain=domain, timeout=DEADLINE) as session:
         assert session.poll_repair() is None
         session.ask_for_repair()
-        assert session.exchange(sheets.vertices, deadline=DEADLINE).num_intersections > 0
+        correction = session.exchange(sheets.vertices, deadline=DEADLINE)
+        assert correction.being_repaired and correction.num_intersections > 0
         repair, end = None, time.monotonic() + DEADLINE
         while repair is None and time.monotonic() < end:
             session.exchange(sheets.vertices, deadline=DEADLINE)
