@@ -126,7 +126,7 @@ impl ClothRegistration {
     }
 
     fn check_sizes(&self) -> Result<(), Fault> {
-        if self.options & !(UNTANGLED_SPARSE | UNTANGLED_LABELS) != 0 {
+        if self.options & !(UNTANGLED_SPARSE | UNTANGLED_LABELS | UNTANGLED_REPAIRS) != 0 {
             let options = self.options;
             return Err(Fault::argument(format_args!("`options` is {options}, with bits that are not known")));
         }
@@ -136,10 +136,6 @@ impl ClothRegistration {
                 "`struct_size` is {given}, not {expected}: call untangled_registration_init, with the header of this \
                  library"
             )));
-        }
-        if self.options & !UNTANGLED_REPAIRS != 0 {
-            let options = self.options;
-            return Err(Fault::argument(format_args!("`options` is {options}, with bits that are not known")));
         }
         let (num_vertices, num_faces) = (self.num_vertices, self.num_triangles);
         if num_vertices > MOST || num_faces > MOST || self.num_uv_coordinates > 3 * MOST || self.num_pins > MOST {

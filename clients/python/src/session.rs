@@ -40,7 +40,7 @@ impl NativeSession {
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, repairs, forms, settings
+        paths, repairs, settings, forms = (false, false)
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -59,8 +59,8 @@ impl NativeSession {
         kind: &str,
         paths: bool,
         repairs: bool,
-        forms: (bool, bool),
         settings: &str,
+        forms: (bool, bool),
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
             (Some(uvs), Some(corners)) => {
