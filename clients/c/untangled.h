@@ -27,6 +27,19 @@
 // Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
 #define UNTANGLED_MASK 3
 
+// Option of a registration: corrections list only the vertices that have a value or a flag, see `untangled_entries`.
+// `vertices` of a correction holds all of them even so, at the cost of these entries. A daemon that is too old sends
+// all vertices.
+#define UNTANGLED_SPARSE 1
+
+// Option of a registration: corrections have labels, which say of single contacts whether they have to be off, see
+// `untangled_contacts_set`. Makes them sparse as well. A daemon that is too old sends none.
+#define UNTANGLED_LABELS 2
+
+// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four
+// frames more.
+#define UNTANGLED_REPAIRS 4
+
 // The version of this interface. It changes where a program has to be compiled again.
 #define UNTANGLED_ABI_VERSION 1
 
@@ -79,6 +92,9 @@ enum untangled_error
     UNTANGLED_INTERNAL = 19,
     // The daemon ended the frame at a limit of time or of intersections, before there was a correction. Go on without.
     UNTANGLED_NOT_ANALYSED = 20,
+    // The session has no repairs: it was registered without `UNTANGLED_REPAIRS`, or by a daemon that does not know
+    // them.
+    UNTANGLED_NO_REPAIRS = 21,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -164,8 +180,8 @@ typedef struct {
     uint32_t correction;
     // 1 to receive intersection paths with each correction, else 0.
     uint32_t paths;
-    // Zero.
-    uint32_t reserved;
+    // Sum of `UNTANGLED_SPARSE` and so on; 0 for none.
+    uint32_t options;
     // Settings by name as a JSON object, as in `untangled config`; null for the daemon's defaults.
     const char *settings_json;
 } untangled_registration;
@@ -270,6 +286,58 @@ typedef struct {
     // What `untangled_release` knows it by.
     uint64_t token;
 } untangled_correction;
+
+// The repair of one frame: the displacement of every vertex to a state without intersections, or to the best that was
+// reached. Positions of the frame plus displacements, added in the precision of the session, are the bits that were
+// checked. Addresses point into shared memory, and are valid until `untangled_release_repair` or `untangled_close`.
+typedef struct {
+    // The frame whose positions the displacements are added to.
+    uint64_t frame;
+    // Simulated time of that frame in seconds.
+    double simulated_s;
+    // Number of vertices.
+    size_t num_vertices;
+    // Displacements in metres, `num_vertices x 3`, of a session in single precision; else null.
+    const float *displacements;
+    // Displacements in metres, `num_vertices x 3`, of a session in double precision; else null.
+    const double *displacements_f64;
+    // 1 where an exact check found no crossing in the repaired state, else 0.
+    uint32_t certified;
+    // 1 where time was up, else 0.
+    uint32_t truncated;
+    // Number of vertices that move.
+    uint32_t num_moved;
+    // Zero.
+    uint32_t reserved;
+    // Edges that pierce a face in the repaired state.
+    uint64_t num_edge_face_intersections;
+    // Pairs of faces that cross in the repaired state, as the check counts them.
+    uint64_t num_crossings;
+    // Pairs of intersection paths in the repaired state.
+    uint64_t num_pairs;
+    // Their length in metres.
+    double contour_length_m;
+    // Mean displacement of the vertices that move, in metres.
+    double mean_displacement_m;
+    // Largest displacement in metres.
+    double max_displacement_m;
+    // Least length of an edge, divided by its length in the frame.
+    double min_edge_ratio;
+    // Largest length of an edge, divided by its length in the frame.
+    double max_edge_ratio;
+    // Least area of a face, divided by its area in the frame.
+    double min_area_ratio;
+    // Number of iterations.
+    uint64_t num_iterations;
+    // Nanoseconds that the request waited.
+    uint64_t waited_ns;
+    // Nanoseconds of work.
+    uint64_t repair_ns;
+    // Requests so far that a newer one replaced while they waited.
+    uint64_t num_replaced;
+    // What `untangled_release_repair` knows it by.
+    uint64_t token;
+} untangled_repair;
 
 #ifdef __cplusplus
 extern "C" {
@@ -399,6 +467,67 @@ untangled_error untangled_exchange(untangled_session session,
 // # Safety
 // `correction` is null or points to one.
 untangled_error untangled_release(untangled_session session, untangled_correction *correction);
+
+// Whether a session has repairs: where it was registered with `UNTANGLED_REPAIRS`, by a daemon that knows them.
+bool untangled_has_repairs(untangled_session session);
+
+// Asks for a repair of the next frame that is sent, by whatever call. Its correction comes as ever; the repair comes
+// beside it when it is done, see `untangled_poll_repair`. With `time_us` the daemon sends the best state so far early
+// enough to be here within that time; with 0 the setting `repair_deadline_us` limits it.
+untangled_error untangled_ask_for_repair(untangled_session session, uint64_t time_us);
+
+// The newest repair that has come since the last call; `UNTANGLED_NOTHING_NEW` where none has. Does not block. Add its
+// displacements to the positions of its frame, or to those of now. What was handed out is taken as added: repairs of
+// frames that were sent before are dropped. Release what it wrote to `repair`; a session can hold one.
+//
+// # Safety
+// `repair` is null or may be written.
+untangled_error untangled_poll_repair(untangled_session session, untangled_repair *repair);
+
+// Waits for the repair of a frame, up to `deadline_us` microseconds. Release what it wrote to `repair`.
+//
+// # Safety
+// `repair` is null or may be written.
+untangled_error untangled_wait_repair(untangled_session session,
+                                      uint64_t frame,
+                                      uint64_t deadline_us,
+                                      untangled_repair *repair);
+
+// Copies `num_vertices x 3` positions into a frame that asks for a repair, sends it, and waits for that: one exchange
+// from a tangled cloth to one that is certified clean, or to the best that is reached within the deadline.
+// `num_vertices` must be the session's. Release what it wrote to `repair`.
+//
+// # Safety
+// `positions` is null or holds `num_vertices x 3` numbers; `repair` is null or may be written.
+untangled_error untangled_exchange_repair(untangled_session session,
+                                          double simulated_s,
+                                          double dt_s,
+                                          const float *positions,
+                                          size_t num_vertices,
+                                          uint64_t deadline_us,
+                                          untangled_repair *repair);
+
+// `untangled_exchange_repair` of a session in double precision.
+//
+// # Safety
+// `positions` is null or holds `num_vertices x 3` numbers; `repair` is null or may be written.
+untangled_error untangled_exchange_repair_f64(untangled_session session,
+                                              double simulated_s,
+                                              double dt_s,
+                                              const double *positions,
+                                              size_t num_vertices,
+                                              uint64_t deadline_us,
+                                              untangled_repair *repair);
+
+// Gives a repair back, and clears it. Its addresses must not be used any more.
+//
+// # Safety
+// `repair` is null or points to one.
+untangled_error untangled_release_repair(untangled_session session, untangled_repair *repair);
+
+// Says that the next frame is no continuation of those before: with the setting `repair` = `auto` the daemon then
+// begins anew to judge progress.
+untangled_error untangled_begin_motion(untangled_session session);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -78,6 +78,8 @@ struct Cloth {
     untangled_kind correction = UNTANGLED_DISPLACEMENT;
     /// Whether corrections shall bring intersection paths.
     bool paths = false;
+    /// Whether frames may be repaired.
+    bool repairs = false;
     /// A JSON object; empty for the daemon's defaults.
     std::string settings_json;
 };
@@ -146,6 +148,49 @@ private:
     untangled_correction view_;
 };
 
+/// The repair of one frame, in shared memory: the displacement of every vertex. Hold one of a session.
+class Repair {
+public:
+    Repair(untangled_session session, const untangled_repair &view) : session_(session), view_(view) {}
+    Repair(Repair &&other) noexcept : session_(other.session_), view_(std::exchange(other.view_, {})) {}
+    Repair &operator=(Repair &&other) noexcept {
+        std::swap(session_, other.session_);
+        std::swap(view_, other.view_);
+        return *this;
+    }
+    ~Repair() {
+        if (view_.token != 0) {
+            untangled_release_repair(session_, &view_);
+        }
+    }
+
+    /// Whether an exact check found no crossing in what the host has after adding the displacements.
+    bool certified() const noexcept { return view_.certified != 0; }
+    /// Whether time was up: the displacements lead to the best state so far.
+    bool truncated() const noexcept { return view_.truncated != 0; }
+    /// Displacements of a session in single precision; empty in double.
+    Span<const std::array<float, 3>> displacements() const noexcept {
+        return span<float>(view_.displacements);
+    }
+    /// Displacements of a session in double precision; empty in single.
+    Span<const std::array<double, 3>> displacements_f64() const noexcept {
+        return span<double>(view_.displacements_f64);
+    }
+    /// Counts, times, and how much the cloth changes.
+    const untangled_repair &summary() const noexcept { return view_; }
+
+private:
+    template <class Real> Span<const std::array<Real, 3>> span(const Real *first) const noexcept {
+        if (first == nullptr) {
+            return {};
+        }
+        return {reinterpret_cast<const std::array<Real, 3> *>(first), view_.num_vertices};
+    }
+
+    untangled_session session_;
+    untangled_repair view_;
+};
+
 /// One cloth that the daemon knows.
 class Session {
 public:
@@ -203,6 +248,47 @@ public:
         check(untangled_exchange(session_, simulated_s, dt_s, data, positions.size(), microseconds(deadline), &view));
         return {session_, view};
     }
+    /// Whether it was registered with repairs, by a daemon that knows them.
+    bool has_repairs() const noexcept { return untangled_has_repairs(session_); }
+    /// Asks for a repair of the next frame that is sent; without a time the setting `repair_deadline_us` limits it.
+    void ask_for_repair(Duration time = Duration::zero()) {
+        check(untangled_ask_for_repair(session_, microseconds(time)));
+    }
+    /// The newest repair that has come since the last call, if any. It is taken as added: those of frames that were
+    /// sent before are dropped.
+    std::optional<Repair> poll_repair() {
+        untangled_repair view = {};
+        const untangled_error code = untangled_poll_repair(session_, &view);
+        if (code == UNTANGLED_NOTHING_NEW) {
+            return std::nullopt;
+        }
+        check(code);
+        return Repair(session_, view);
+    }
+    /// Waits for the repair of a frame.
+    Repair wait_repair(std::uint64_t frame, Duration deadline) {
+        untangled_repair view = {};
+        check(untangled_wait_repair(session_, frame, microseconds(deadline), &view));
+        return {session_, view};
+    }
+    /// One exchange from a tangled cloth to one that is certified clean, or to the best within the deadline.
+    Repair repair(double simulated_s, double dt_s, Span<const std::array<float, 3>> positions, Duration deadline) {
+        untangled_repair view = {};
+        const float *data = reinterpret_cast<const float *>(positions.data());
+        const std::size_t size = positions.size();
+        check(untangled_exchange_repair(session_, simulated_s, dt_s, data, size, microseconds(deadline), &view));
+        return {session_, view};
+    }
+    Repair repair_f64(double simulated_s, double dt_s, Span<const std::array<double, 3>> positions,
+                      Duration deadline) {
+        untangled_repair view = {};
+        const double *data = reinterpret_cast<const double *>(positions.data());
+        const std::size_t size = positions.size();
+        check(untangled_exchange_repair_f64(session_, simulated_s, dt_s, data, size, microseconds(deadline), &view));
+        return {session_, view};
+    }
+    /// Says that the next frame is no continuation of those before, for the setting `repair` = `auto`.
+    void begin_motion() { check(untangled_begin_motion(session_)); }
     /// A deadline for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle.
     Duration default_deadline() const {
         return Duration(static_cast<Duration::rep>(untangled_default_deadline_us(session_)));
@@ -265,6 +351,7 @@ public:
         registration.precision = cloth.precision;
         registration.correction = cloth.correction;
         registration.paths = cloth.paths ? 1 : 0;
+        registration.options = cloth.repairs ? UNTANGLED_REPAIRS : 0;
         registration.settings_json = cloth.settings_json.empty() ? nullptr : cloth.settings_json.c_str();
         untangled_session session = {};
         check(untangled_register(client_, &registration, &session));

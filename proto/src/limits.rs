@@ -30,3 +30,7 @@ pub const CORRECTION_BORROWED: usize = 4;
 pub const PATHS_SUBSCRIBERS: usize = 4;
 /// Paths that a listener may hold at a time: those of all corrections that a host may hold.
 pub const PATHS_BORROWED: usize = CORRECTION_BORROWED;
+/// Repairs that wait for the host: the newest only.
+pub const REPAIR_BUFFER: usize = 1;
+/// Repairs that a host may hold at a time.
+pub const REPAIR_BORROWED: usize = 2;

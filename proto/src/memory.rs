@@ -5,10 +5,11 @@
 //! formulas with segments as they are made.
 
 use crate::{
-    control::{Precision, ReplyHeader, RequestHeader},
-    correction::{CorrectionHeader, VertexCorrection},
-    limits::{CORRECTION_BORROWED, CORRECTION_BUFFER, STATE_BORROWED, STATE_BUFFER},
+    control::{Precision, ReplyHeader, RequestHeader, SessionOptions},
+    correction::{CorrectionHeader, VertexCorrection, sparse},
+    limits::{CORRECTION_BORROWED, CORRECTION_BUFFER, REPAIR_BORROWED, REPAIR_BUFFER, STATE_BORROWED, STATE_BUFFER},
     paths::PathsHeader,
+    repair::RepairHeader,
     state::{PositionF32, PositionF64, StateHeader},
 };
 
@@ -47,6 +48,8 @@ const PAGE: u64 = 4096;
 pub const STATE_SAMPLES: usize = STATE_BUFFER + STATE_BORROWED + 1;
 /// Samples of a correction publisher: one being written besides what the host can have, waiting and held.
 pub const CORRECTION_SAMPLES: usize = CORRECTION_BUFFER + CORRECTION_BORROWED + 1;
+/// Samples of a repair publisher: one being written besides what the host can have, waiting and held.
+pub const REPAIR_SAMPLES: usize = REPAIR_BUFFER + REPAIR_BORROWED + 1;
 /// Samples of a request port of the clients here, which sends one request. iceoryx2 makes 3 unless told otherwise.
 pub const REQUEST_SAMPLES: usize = 1;
 
@@ -98,18 +101,43 @@ pub fn state_segment_bytes(num_vertices: usize, precision: Precision, layout: Pa
     sample.segment(num_vertices, layout, STATE_SAMPLES)
 }
 
-/// Shared memory of a session's correction publisher in bytes.
+/// Words of the longest sparse correction: an entry for each vertex and, where labels are asked for, as many labels.
+/// A correction with fewer entries has room for more labels.
 #[must_use]
-pub fn correction_segment_bytes(num_vertices: usize, layout: PayloadLayout) -> u64 {
+pub fn sparse_words(num_vertices: usize, options: SessionOptions) -> usize {
+    let label = if options.has_labels() { sparse::LABEL_WORDS } else { 0 };
+    num_vertices.saturating_mul(sparse::ENTRY_WORDS + label)
+}
+
+/// Shared memory of a session's correction publisher in bytes. Sparse corrections are packed in every layout: no client
+/// of release 0.1 asks for them.
+#[must_use]
+pub fn correction_segment_bytes(num_vertices: usize, layout: PayloadLayout, options: SessionOptions) -> u64 {
+    if options.is_sparse() {
+        let sample = Sample::new::<u32, CorrectionHeader>(SAMPLE_HEADER);
+        return sample.segment(sparse_words(num_vertices, options), PayloadLayout::Packed, CORRECTION_SAMPLES);
+    }
     let sample = Sample::new::<VertexCorrection, CorrectionHeader>(SAMPLE_HEADER);
     sample.segment(num_vertices, layout, CORRECTION_SAMPLES)
 }
 
+/// Shared memory of a session's repair publisher in bytes, for sessions that asked for repairs.
+#[must_use]
+pub fn repair_segment_bytes(num_vertices: usize, precision: Precision, layout: PayloadLayout) -> u64 {
+    let sample = match precision {
+        Precision::F32 => Sample::new::<PositionF32, RepairHeader>(SAMPLE_HEADER),
+        Precision::F64 => Sample::new::<PositionF64, RepairHeader>(SAMPLE_HEADER),
+    };
+    sample.segment(num_vertices, layout, REPAIR_SAMPLES)
+}
+
 /// Shared memory of a session in bytes, both sides together, without its request and its paths.
 #[must_use]
-pub fn session_bytes(num_vertices: usize, precision: Precision, layout: PayloadLayout) -> u64 {
+pub fn session_bytes(num_vertices: usize, precision: Precision, layout: PayloadLayout, options: SessionOptions) -> u64 {
+    let repairs = if options.has_repairs() { repair_segment_bytes(num_vertices, precision, layout) } else { 0 };
     state_segment_bytes(num_vertices, precision, layout)
-        .saturating_add(correction_segment_bytes(num_vertices, layout))
+        .saturating_add(correction_segment_bytes(num_vertices, layout, options))
+        .saturating_add(repairs)
         .saturating_add(SESSION_OVERHEAD)
 }
 

@@ -18,6 +18,8 @@ pub const EVENT_REPLY: usize = 3;
 pub const EVENT_CORRECTION: usize = 4;
 /// Event: a notifier of the other side went away.
 pub const EVENT_GONE: usize = 5;
+/// Event: a repair was sent.
+pub const EVENT_REPAIR: usize = 6;
 /// The largest event id.
 pub const EVENT_MAX: usize = 7;
 
@@ -26,12 +28,16 @@ pub const EVENT_MAX: usize = 7;
 pub enum SessionService {
     /// Positions, host to daemon.
     State,
-    /// Corrections, daemon to host.
+    /// Corrections of all vertices, daemon to host.
     Correction,
+    /// Corrections of the vertices that have one, daemon to host; in place of the above where it was asked for.
+    Sparse,
     /// Event service that wakes the host.
     Event,
     /// Intersection paths, daemon to each subscriber.
     Paths,
+    /// Repairs, daemon to host; only for sessions that asked for them.
+    Repair,
 }
 
 /// The name of a session's service.
@@ -40,8 +46,10 @@ pub fn session(instance: u64, session: u64, service: SessionService) -> String {
     let last = match service {
         SessionService::State => "state",
         SessionService::Correction => "correction",
+        SessionService::Sparse => "sparse",
         SessionService::Event => "event",
         SessionService::Paths => "paths",
+        SessionService::Repair => "repair",
     };
     format!("untangled/{instance:016x}/{session}/{last}")
 }

@@ -52,6 +52,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<Outcome, CliError> {
         max_faces,
         max_session_memory_bytes: 1_000_000 * max_session_memory_mb as u64,
         num_workers: config.num_workers,
+        num_repair_workers: config.num_repair_workers,
         metrics: config.metrics()?,
         settings: config.settings,
     };

@@ -22,11 +22,18 @@ pub(super) const TESTED_PAIRS: &str = concat!(
 /// Explains `settings.thickness_m`.
 pub(super) const THICKNESS: &str = "Thickness of the cloth in metres. Without it the mean edge length stands in.";
 
+/// Explains `settings.repair_deadline_us`.
+pub(super) const REPAIR_DEADLINE: &str = concat!(
+    "Time for a repair in microseconds, from when it is asked for; the best state so far is sent then. ",
+    "Without it a repair ends when nothing intersects, or nothing helps any more."
+);
+
 /// Keys and sections, each with its explanation. A test checks that every key has one.
 pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("domain", "Where clients find the daemon; different domains never meet."),
     ("quality", "The settings below start from `fast`, `balanced` or `accurate`; a session may choose one too."),
     ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
+    ("num_repair_workers", "Repairs at a time, 1 to 64; each is spread over all processors, behind all frames."),
     (
         "instruction_set",
         "`best`, or `portable` for what every processor has: slower, with the same answers; for tests of that.",
@@ -67,6 +74,12 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("settings.max_face_pairs", FACE_PAIRS),
     ("settings.max_tested_pairs", TESTED_PAIRS),
     ("settings.deadline_us", DEADLINE),
+    (
+        "settings.repair",
+        "Which frames are repaired, in sessions that asked for repairs: those that are `asked` for, besides those at \
+         which a tangle does not shrink (`auto`), or all in which something intersects (`always`).",
+    ),
+    ("settings.repair_deadline_us", REPAIR_DEADLINE),
     ("settings.layer_order", "Whether layers, where the host gave them, decide what is inside."),
     ("settings.winding", "Whether winding numbers decide what is inside, on closed and oriented pieces."),
     ("settings.pinned_outside", "Whether a side with pinned vertices is outside, where the other side has none."),

@@ -9,6 +9,7 @@ use untangled_transport::{Domain, DomainError, domain::DEFAULT_DOMAIN};
 use untangle::settings::{Quality, Settings};
 
 use super::error::ConfigError;
+use crate::service::DEFAULT_REPAIR_WORKERS;
 
 /// Largest limit of a session's memory in megabytes, which is none: a terabyte.
 pub(super) const MAX_MEMORY_MB: usize = 1_000_000;
@@ -23,6 +24,8 @@ pub struct Config {
     pub quality: Quality,
     /// Threads that work on frames; 0 for as many as there are processors.
     pub num_workers: usize,
+    /// Repairs at a time.
+    pub num_repair_workers: usize,
     /// The instructions that frames are computed with.
     pub instruction_set: InstructionSet,
     /// What sessions may ask for.
@@ -96,6 +99,7 @@ impl Default for Config {
             domain: DEFAULT_DOMAIN.to_owned(),
             quality: Quality::default(),
             num_workers: 0,
+            num_repair_workers: DEFAULT_REPAIR_WORKERS,
             instruction_set: InstructionSet::default(),
             limits: Limits::default(),
             telemetry: Telemetry::default(),

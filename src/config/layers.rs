@@ -18,6 +18,8 @@ use crate::overlay;
 
 /// Most workers; a larger number is taken for a mistake.
 const MAX_WORKERS: usize = 256;
+/// Most repairs at a time: as many as there are sessions.
+const MAX_REPAIR_WORKERS: usize = limits::MAX_SESSIONS;
 
 /// Flags that choose or change the configuration.
 #[derive(Clone, Debug, Default, Args)]
@@ -109,6 +111,7 @@ impl Config {
             ("limits.max_session_memory_mb", max_session_memory_mb, MAX_MEMORY_MB),
             ("limits.max_vertices", max_vertices, limits::MAX_VERTICES),
             ("limits.max_faces", max_faces, limits::MAX_FACES),
+            ("num_repair_workers", self.num_repair_workers, MAX_REPAIR_WORKERS),
         ] {
             if !(1..=limit).contains(&value) {
                 return Err(ConfigError::Limit { name, value, limit });

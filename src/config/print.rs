@@ -4,7 +4,7 @@ use untangle::settings::Settings;
 
 use super::{
     error::ConfigError,
-    explanations::{DEADLINE, EXPLANATIONS, FACE_PAIRS, TESTED_PAIRS, THICKNESS},
+    explanations::{DEADLINE, EXPLANATIONS, FACE_PAIRS, REPAIR_DEADLINE, TESTED_PAIRS, THICKNESS},
     keys::Config,
 };
 
@@ -32,12 +32,14 @@ impl Config {
             out.push('\n');
             out.push_str(line);
         }
-        let Settings { thickness_m, max_face_pairs, max_tested_pairs, deadline_us, .. } = &self.settings;
+        let Settings { thickness_m, max_face_pairs, max_tested_pairs, deadline_us, repair_deadline_us, .. } =
+            &self.settings;
         for (is_set, explanation, example) in [
             (thickness_m.is_some(), THICKNESS, "thickness_m = 0.001"),
             (max_face_pairs.is_some(), FACE_PAIRS, "max_face_pairs = 1000000"),
             (max_tested_pairs.is_some(), TESTED_PAIRS, "max_tested_pairs = 100000000"),
             (deadline_us.is_some(), DEADLINE, "deadline_us = 8000"),
+            (repair_deadline_us.is_some(), REPAIR_DEADLINE, "repair_deadline_us = 2000000"),
         ] {
             if !is_set {
                 out.push_str("\n\n# ");

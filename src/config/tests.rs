@@ -10,6 +10,7 @@ fn explained_of_any_config_explains_every_key_and_reads_back() {
             max_face_pairs: Some(1),
             max_tested_pairs: Some(1),
             deadline_us: Some(1),
+            repair_deadline_us: Some(1),
             ..Settings::default()
         },
         ..Config::default()
@@ -24,7 +25,7 @@ fn explained_of_any_config_explains_every_key_and_reads_back() {
     }
     let text = Config::default().explained().unwrap();
     assert!(
-        ["thickness_m", "max_face_pairs", "max_tested_pairs", "deadline_us"]
+        ["thickness_m", "max_face_pairs", "max_tested_pairs", "deadline_us", "repair_deadline_us"]
             .iter()
             .all(|key| { text.contains(&format!("\n# {key} = ")) })
     );

@@ -26,7 +26,7 @@ use super::{
     housekeeping::{Cleanup, DeadNodes, make_room_for_descriptors},
     metrics::MetricsServer,
     options::ServeOptions,
-    pool::{Job, Pool},
+    pool::{Job, Pool, PoolOptions},
     requests::{ControlServer, RegistrationJob, Registry},
     session::Session,
     throttle::Throttle,
@@ -146,7 +146,7 @@ impl Daemon {
         let listener =
             event.listener_builder().create().map_err(|error| ServeError::transport("creating a listener", &error))?;
         let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone()));
-        let pool = Pool::start(options.num_workers())
+        let pool = Pool::start(PoolOptions::frames(options.num_workers()))
             .map_err(|source| ServeError::System { what: "starting a worker".to_owned(), source })?;
         let metrics = options.metrics.map(|address| MetricsServer::start(address, Arc::clone(&registry)));
         let metrics = metrics.transpose()?;

@@ -3,6 +3,7 @@
 //! ```text
 //! event ──> daemon ─┬─> requests ──> pool: register ──> session (mesh, settings, ports)
 //!                   └─> sessions ──> pool: ingest ──> Untangler ──> publish ──> event to the host
+//!                                     └─> pool of repairs: relax ──> check ──> publish ──> event to the host
 //! timer ──> housekeeping: dead nodes; a thread of its own for stale resources
 //! ```
 //!
@@ -10,8 +11,9 @@
 //! events all threads sleep. Everything that a peer wrote is copied before it is checked, because the peer may go on
 //! writing.
 //!
-//! The folders, from the bottom up: [`session`] (one cloth and its frames), [`requests`] (what clients ask for, and the
-//! sessions that are open), `housekeeping` (resources of crashed peers, limits of this process). `daemon` is on top.
+//! The folders, from the bottom up: `repair` (one frame moved to where nothing intersects), [`session`] (one cloth and
+//! its frames), [`requests`] (what clients ask for, and the sessions that are open), `housekeeping` (resources of
+//! crashed peers, limits of this process). `daemon` is on top.
 
 mod daemon;
 mod error;
@@ -19,10 +21,11 @@ mod housekeeping;
 mod metrics;
 mod options;
 mod pool;
+mod repair;
 pub mod requests;
 pub mod session;
 mod throttle;
 
 pub use daemon::{Shutdown, run};
 pub use error::{Refusal, ServeError};
-pub use options::ServeOptions;
+pub use options::{DEFAULT_REPAIR_WORKERS, ServeOptions};

@@ -6,6 +6,9 @@ use untangle::settings::Settings;
 use untangled_proto::limits;
 use untangled_transport::Domain;
 
+/// Repairs at a time, unless chosen: one may take minutes, and another session does not wait for it.
+pub const DEFAULT_REPAIR_WORKERS: usize = 2;
+
 /// What a daemon serves, and within which limits.
 #[derive(Clone, Debug)]
 pub struct ServeOptions {
@@ -23,6 +26,8 @@ pub struct ServeOptions {
     pub max_session_memory_bytes: u64,
     /// Threads that work on frames, at least 2; 0 for as many as there are processors.
     pub num_workers: usize,
+    /// Repairs at a time, at least 1.
+    pub num_repair_workers: usize,
     /// Where to serve metrics as Prometheus text over HTTP, if at all. Every user who can connect can read them:
     /// loopback addresses only.
     pub metrics: Option<SocketAddr>,
@@ -42,6 +47,7 @@ impl ServeOptions {
             max_faces: limits::MAX_FACES,
             max_session_memory_bytes: u64::MAX,
             num_workers: 0,
+            num_repair_workers: DEFAULT_REPAIR_WORKERS,
             metrics: None,
             settings: Settings::default(),
         }

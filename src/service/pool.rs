@@ -25,6 +25,35 @@ pub(crate) trait Job: Send + 'static {
         Self: Sized;
 }
 
+/// How many threads a pool has, and what for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoolOptions {
+    /// Of its threads, with a number behind.
+    pub(crate) name: &'static str,
+    pub(crate) num_workers: usize,
+    /// Most large jobs in work at a time.
+    pub(crate) most_large: usize,
+    /// Threads that a large job is spread over, at most 8.
+    pub(crate) num_threads: usize,
+    /// Whether its threads get the processors only where no others want them.
+    pub(crate) in_background: bool,
+}
+
+impl PoolOptions {
+    /// For frames: at least two workers, of which one is for small jobs only.
+    pub(crate) fn frames(num_workers: usize) -> Self {
+        let num_workers = num_workers.max(2);
+        let most_large = num_workers - 1;
+        Self { name: "worker", num_workers, most_large, num_threads: num_workers, in_background: false }
+    }
+
+    /// For long work that frames must not wait for, spread over as many threads as frames are.
+    pub(crate) fn background(name: &'static str, num_workers: usize, num_threads: usize) -> Self {
+        let num_workers = num_workers.max(1);
+        Self { name, num_workers, most_large: num_workers, num_threads, in_background: true }
+    }
+}
+
 /// A fixed number of threads, asleep while there is no job.
 #[derive(Debug)]
 pub(crate) struct Pool<J: Job> {
@@ -36,9 +65,7 @@ pub(crate) struct Pool<J: Job> {
 struct Shared<J> {
     queue: Mutex<Queue<J>>,
     changed: Condvar,
-    most_large: usize,
-    /// Threads that a large job is spread over.
-    num_threads: usize,
+    options: PoolOptions,
 }
 
 #[derive(Debug)]
@@ -50,21 +77,16 @@ struct Queue<J> {
 }
 
 impl<J: Job> Pool<J> {
-    /// Starts `num_workers` threads, at least two: one of them is for small jobs only.
-    pub(crate) fn start(num_workers: usize) -> std::io::Result<Self> {
-        let num_workers = num_workers.max(2);
+    /// Starts its threads.
+    pub(crate) fn start(options: PoolOptions) -> std::io::Result<Self> {
         let queue = Mutex::new(Queue { jobs: VecDeque::new(), num_large: 0, ending: false });
-        let shared = Arc::new(Shared {
-            queue,
-            changed: Condvar::new(),
-            most_large: num_workers - 1,
-            num_threads: num_workers.min(MOST_THREADS),
-        });
-        let mut pool = Self { shared, threads: Vec::with_capacity(num_workers) };
-        for index in 0..num_workers {
+        let shared = Arc::new(Shared { queue, changed: Condvar::new(), options });
+        let mut pool = Self { shared, threads: Vec::with_capacity(options.num_workers) };
+        for index in 0..options.num_workers {
             let shared = Arc::clone(&pool.shared);
             // Where a thread can't be started, those that were started end when `pool` is dropped.
-            let thread = std::thread::Builder::new().name(format!("worker-{index}")).spawn(move || shared.work())?;
+            let name = format!("{}-{index}", options.name);
+            let thread = std::thread::Builder::new().name(name).spawn(move || shared.work())?;
             pool.threads.push(thread);
         }
         Ok(pool)
@@ -107,10 +129,20 @@ impl<J: Job> Shared<J> {
         if let Err(error) = &alone {
             tracing::warn!(%error, "a worker shares the threads of others");
         }
-        let wide = LazyCell::new(|| ThreadPoolBuilder::new().num_threads(self.num_threads).build());
+        let PoolOptions { most_large, num_threads, in_background, .. } = self.options;
+        let yield_to_others = move || {
+            if in_background {
+                run_behind_others();
+            }
+        };
+        yield_to_others();
+        let wide = LazyCell::new(|| {
+            let threads = ThreadPoolBuilder::new().num_threads(num_threads.clamp(1, MOST_THREADS));
+            threads.start_handler(move |_| yield_to_others()).build()
+        });
         let mut queue = self.lock();
         while !queue.ending {
-            let Some(job) = queue.take(self.most_large) else {
+            let Some(job) = queue.take(most_large) else {
                 queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
                 continue;
             };
@@ -129,6 +161,15 @@ impl<J: Job> Shared<J> {
                 queue.jobs.push_back(job);
             }
         }
+    }
+}
+
+/// Lowers the priority of this thread: it gets a tenth of a processor that another thread wants.
+fn run_behind_others() {
+    const NICE: i32 = 10;
+    // Of this thread alone, which is what Linux takes no process id for.
+    if let Err(error) = rustix::process::setpriority_process(None, NICE) {
+        tracing::warn!(%error, "a thread for long work has the priority of others");
     }
 }
 
@@ -173,7 +214,7 @@ mod tests {
     #[test]
     fn pool_keeps_one_worker_free_of_large_jobs() {
         let (begun, log) = channel();
-        let pool = Pool::start(2).unwrap();
+        let pool = Pool::start(PoolOptions::frames(2)).unwrap();
         let task = |name, large| {
             let (release, end) = channel();
             pool.push(Task { name, large, begun: begun.clone(), end: Some(end), again: 0 });
@@ -195,7 +236,7 @@ mod tests {
     #[test]
     fn pool_requeues_unfinished_job_behind_others() {
         let (begun, log) = channel();
-        let pool = Pool::start(1).unwrap();
+        let pool = Pool::start(PoolOptions::frames(1)).unwrap();
         // One worker is kept busy, so that the other one's order shows.
         let (release, end) = channel();
         pool.push(Task { name: "busy", large: false, begun: begun.clone(), end: Some(end), again: 0 });

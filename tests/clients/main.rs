@@ -4,3 +4,4 @@
 mod c;
 mod guides;
 mod python;
+mod repairs;

@@ -36,6 +36,7 @@ fn settings_page_names_every_key_with_its_default() {
         deadline_us: Some(1),
         max_face_pairs: Some(1),
         max_tested_pairs: Some(1),
+        repair_deadline_us: Some(1),
         ..Settings::default()
     };
     let all = toml::Table::try_from(Config { settings: optional, ..Config::default() }).unwrap();

@@ -151,6 +151,19 @@ fn file_is_simulated_instead_of_a_scene() {
 
 /// A flag that nothing uses may not work, and nobody notices.
 #[test]
+fn flags_of_repairs_choose_when_and_how_long_to_wait() {
+    let runs = Runs::new();
+    let always = runs.run(&["--repair", "always"]);
+    assert!(always.summary.num_repaired_frames > 0 && always.said.contains("repaired"), "{}", always.said);
+    for flags in [&["--repair", "never"][..], &["--repair", "always", "--repair-deadline-s", "0.000001"]] {
+        let run = runs.run(flags);
+        assert!(run.summary.num_repaired_frames == 0 && run.after != always.after, "{flags:?}: {}", run.said);
+    }
+    let wrong = publish("nobody-home", &["--repair", "sometimes"]).output().unwrap();
+    assert!(wrong.status.code() == Some(2) && words(&wrong).1.contains("never, auto or always"), "{wrong:?}");
+}
+
+#[test]
 fn flags_of_publish_are_all_used_in_this_file() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command_line/publish.rs");
     let tests = fs::read_to_string(path).unwrap();

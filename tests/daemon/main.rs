@@ -7,6 +7,8 @@ mod machine;
 mod operating;
 mod protocol_v1;
 mod refusals;
+mod repair;
 mod restarts;
 mod sessions;
+mod sparse;
 mod timing;

@@ -33,6 +33,7 @@ pub(crate) fn meshes(cloth: &Cloth) -> Vec<Mesh> {
 fn warm_allocations(mesh: &Mesh, frames: &[Frame], response: Response, min_pairs: usize) -> [u64; 2] {
     let settings = Settings { response, ..Settings::default() };
     let (mut analyser, mut responder) = (Analyser::default(), Responder::default());
+    responder.set_labelled(true);
     let mut counts = [0, 0];
     for round in 0..3 {
         for frame in frames {

@@ -8,7 +8,8 @@ use std::{
 };
 
 use client::{
-    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
+    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError,
+    WaitError,
 };
 
 /// What became of a call. `untangled_last_error` says it in words.
@@ -58,6 +59,9 @@ pub enum ErrorCode {
     Internal = 19,
     /// The daemon ended the frame at a limit of time or of intersections, before there was a correction. Go on without.
     NotAnalysed = 20,
+    /// The session has no repairs: it was registered without `UNTANGLED_REPAIRS`, or by a daemon that does not know
+    /// them.
+    NoRepairs = 21,
 }
 
 /// Longest message in bytes, its end included; a longer one is cut.
@@ -196,6 +200,21 @@ impl From<NewestError> for Fault {
             NewestError::Refused(error) => error.into(),
             NewestError::Receive { .. } => Self::new(ErrorCode::Transport, error),
         }
+    }
+}
+
+impl From<RepairError> for Fault {
+    fn from(error: RepairError) -> Self {
+        let code = match error {
+            RepairError::NotOffered => ErrorCode::NoRepairs,
+            RepairError::Publish(error) => return error.into(),
+            RepairError::Timeout { .. } => ErrorCode::Timeout,
+            RepairError::DaemonLost { .. } => ErrorCode::DaemonLost,
+            RepairError::Overtaken { .. } => ErrorCode::Overtaken,
+            RepairError::Refused(error) => return error.into(),
+            RepairError::Receive { .. } => ErrorCode::Transport,
+        };
+        Self::new(code, error)
     }
 }
 

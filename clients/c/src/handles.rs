@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use client::{Client, Correction, Loan, Session};
+use client::{Client, Correction, Loan, Repair, Session};
 
 use crate::error::{ErrorCode, Fault};
 
@@ -69,23 +69,25 @@ pub(crate) fn lock<T>(object: &Mutex<T>) -> MutexGuard<'_, T> {
     object.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A session with the loan and the corrections that the caller holds. Fields are dropped in order: the session last.
+/// A session with the loan, the corrections and the repair that the caller holds. Fields are dropped in order:
+/// the session last.
 #[derive(Debug)]
 pub(crate) struct OpenSession {
     pub(crate) loan: Option<Loan>,
     held: [Option<(u64, Correction)>; MAX_HELD],
+    repair: Option<(u64, Repair)>,
     last_token: u64,
     pub(crate) session: Session,
 }
 
 impl OpenSession {
     pub(crate) fn new(session: Session) -> Self {
-        Self { loan: None, held: [const { None }; MAX_HELD], last_token: 0, session }
+        Self { loan: None, held: [const { None }; MAX_HELD], repair: None, last_token: 0, session }
     }
 
     /// Gives back what is held, and ends the session. A daemon that does not take note finds out by itself.
     pub(crate) fn close(self, timeout: Duration) {
-        drop((self.loan, self.held));
+        drop((self.loan, self.held, self.repair));
         let _ = self.session.close(timeout);
     }
 
@@ -117,6 +119,30 @@ impl OpenSession {
         })?;
         *slot = None;
         Ok(())
+    }
+}
+
+impl OpenSession {
+    /// Called before a repair is received, so that none is lost.
+    pub(crate) fn check_room_for_repair(&self) -> Result<(), Fault> {
+        if self.repair.is_none() {
+            return Ok(());
+        }
+        Err(Fault::new(ErrorCode::TooManyCorrections, "a repair is held; release it"))
+    }
+
+    /// Keeps a repair for the caller, and returns it with the number to release it by.
+    pub(crate) fn hold_repair(&mut self, repair: Repair) -> (u64, &Repair) {
+        self.last_token += 1;
+        let (token, held) = self.repair.insert((self.last_token, repair));
+        (*token, held)
+    }
+
+    pub(crate) fn release_repair(&mut self, token: u64) -> Result<(), Fault> {
+        if self.repair.take_if(|held| held.0 == token).is_some() {
+            return Ok(());
+        }
+        Err(Fault::new(ErrorCode::InvalidHandle, "the repair was released before, or is another session's"))
     }
 }
 

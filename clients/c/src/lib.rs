@@ -19,10 +19,12 @@ mod frames;
 mod handles;
 mod input;
 mod registration;
+mod repairs;
 mod types;
 
 pub use connect::*;
 pub use error::*;
 pub use frames::*;
 pub use registration::*;
+pub use repairs::*;
 pub use types::*;

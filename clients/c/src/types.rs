@@ -1,6 +1,6 @@
 //! Types of the C interface, in C layout.
 
-use client::{Correction, CorrectionHeader};
+use client::{Correction, CorrectionHeader, Repair, RepairHeader};
 
 /// A connection to a daemon; `{0}` is none.
 #[repr(C)]
@@ -52,6 +52,17 @@ pub const UNTANGLED_CLAMPED: u32 = 4;
 pub const UNTANGLED_PINNED: u32 = 8;
 /// Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
 pub const UNTANGLED_MASK: u32 = 3;
+
+/// Option of a registration: corrections list only the vertices that have a value or a flag, see `untangled_entries`.
+/// `vertices` of a correction holds all of them even so, at the cost of these entries. A daemon that is too old sends
+/// all vertices.
+pub const UNTANGLED_SPARSE: u32 = 1;
+/// Option of a registration: corrections have labels, which say of single contacts whether they have to be off, see
+/// `untangled_contacts_set`. Makes them sparse as well. A daemon that is too old sends none.
+pub const UNTANGLED_LABELS: u32 = 2;
+/// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four
+/// frames more.
+pub const UNTANGLED_REPAIRS: u32 = 4;
 
 /// Value and flags of a vertex.
 #[repr(C)]
@@ -150,6 +161,60 @@ pub struct CorrectionView {
     pub token: u64,
 }
 
+/// The repair of one frame: the displacement of every vertex to a state without intersections, or to the best that was
+/// reached. Positions of the frame plus displacements, added in the precision of the session, are the bits that were
+/// checked. Addresses point into shared memory, and are valid until `untangled_release_repair` or `untangled_close`.
+#[repr(C)]
+#[derive(Debug)]
+pub struct RepairView {
+    /// The frame whose positions the displacements are added to.
+    pub frame: u64,
+    /// Simulated time of that frame in seconds.
+    pub simulated_s: f64,
+    /// Number of vertices.
+    pub num_vertices: usize,
+    /// Displacements in metres, `num_vertices x 3`, of a session in single precision; else null.
+    pub displacements: *const f32,
+    /// Displacements in metres, `num_vertices x 3`, of a session in double precision; else null.
+    pub displacements_f64: *const f64,
+    /// 1 where an exact check found no crossing in the repaired state, else 0.
+    pub certified: u32,
+    /// 1 where time was up, else 0.
+    pub truncated: u32,
+    /// Number of vertices that move.
+    pub num_moved: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Edges that pierce a face in the repaired state.
+    pub num_edge_face_intersections: u64,
+    /// Pairs of faces that cross in the repaired state, as the check counts them.
+    pub num_crossings: u64,
+    /// Pairs of intersection paths in the repaired state.
+    pub num_pairs: u64,
+    /// Their length in metres.
+    pub contour_length_m: f64,
+    /// Mean displacement of the vertices that move, in metres.
+    pub mean_displacement_m: f64,
+    /// Largest displacement in metres.
+    pub max_displacement_m: f64,
+    /// Least length of an edge, divided by its length in the frame.
+    pub min_edge_ratio: f64,
+    /// Largest length of an edge, divided by its length in the frame.
+    pub max_edge_ratio: f64,
+    /// Least area of a face, divided by its area in the frame.
+    pub min_area_ratio: f64,
+    /// Number of iterations.
+    pub num_iterations: u64,
+    /// Nanoseconds that the request waited.
+    pub waited_ns: u64,
+    /// Nanoseconds of work.
+    pub repair_ns: u64,
+    /// Requests so far that a newer one replaced while they waited.
+    pub num_replaced: u64,
+    /// What `untangled_release_repair` knows it by.
+    pub token: u64,
+}
+
 const _: () = {
     assert!(size_of::<VertexCorrection>() == size_of::<client::VertexCorrection>());
     assert!(align_of::<VertexCorrection>() == align_of::<client::VertexCorrection>());
@@ -193,6 +258,39 @@ impl CorrectionView {
             num_skipped_frames: header.num_skipped_frames,
             num_pairs_left_out: header.num_pairs_left_out,
             length_left_out_m: header.length_left_out_m,
+            token,
+        }
+    }
+}
+
+impl RepairView {
+    /// The view of a repair that is kept for the caller.
+    pub(crate) fn new(repair: &Repair, token: u64) -> Self {
+        let header: &RepairHeader = repair.header();
+        let (single, double) = (repair.displacements_f32(), repair.displacements_f64());
+        Self {
+            frame: header.frame,
+            simulated_s: header.simulated_s,
+            num_vertices: single.map(<[_]>::len).or(double.map(<[_]>::len)).unwrap_or(0),
+            displacements: single.map_or(std::ptr::null(), |steps| steps.as_ptr().cast()),
+            displacements_f64: double.map_or(std::ptr::null(), |steps| steps.as_ptr().cast()),
+            certified: u32::from(repair.is_certified()),
+            truncated: u32::from(repair.is_truncated()),
+            num_moved: header.num_moved,
+            reserved: 0,
+            num_edge_face_intersections: header.num_edge_face_intersections,
+            num_crossings: header.num_crossings,
+            num_pairs: header.num_pairs,
+            contour_length_m: header.contour_length_m,
+            mean_displacement_m: header.mean_displacement_m,
+            max_displacement_m: header.max_displacement_m,
+            min_edge_ratio: header.min_edge_ratio,
+            max_edge_ratio: header.max_edge_ratio,
+            min_area_ratio: header.min_area_ratio,
+            num_iterations: header.num_iterations,
+            waited_ns: header.waited_ns,
+            repair_ns: header.repair_ns,
+            num_replaced: header.num_replaced,
             token,
         }
     }

@@ -15,6 +15,7 @@ use crate::{
     host::{Host, HostError, HostOptions, Use},
     mesh::{Cloth, Vec3},
     obj,
+    repairs::RepairPolicy,
     report::Summary,
     run::{RunOptions, run},
     scenes::Scene,
@@ -54,6 +55,13 @@ pub struct PublishArgs {
     /// motion].
     #[arg(long, value_enum)]
     pub correction: Option<Kind>,
+    /// Which frames the daemon repairs, which is one displacement to where nothing intersects: never, always, or auto
+    /// for those at which a tangle does not shrink.
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub repair: RepairPolicy,
+    /// How long to wait for a repair before the simulation goes on without.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = positive)]
+    pub repair_deadline_s: f64,
     /// Ignore all corrections.
     #[arg(long, group = "control")]
     pub no_corrections: bool,
@@ -227,7 +235,11 @@ fn host_options(args: &PublishArgs) -> HostOptions {
         (_, _, true) => Use::ValuesOnly,
         _ => Use::Everything,
     };
+    // Controls show what corrections do, and take none away by other means.
+    let repair = if use_of_corrections == Use::Everything { args.repair } else { RepairPolicy::Never };
     HostOptions {
+        repair,
+        repair_deadline: Duration::try_from_secs_f64(args.repair_deadline_s).unwrap_or(Duration::MAX),
         domain: args.domain.clone(),
         connect_timeout: Duration::from_millis(args.connect_timeout_ms),
         deadline: Duration::from_millis(args.deadline_ms),
@@ -262,6 +274,7 @@ mod tests {
     #[test]
     fn settings_reach_the_host_as_an_object() {
         let args = Cli::parse_from(["untangled-publisher", "--settings", r#"{"quality": "accurate"}"#]).args;
+        assert_eq!(host_options(&args).repair, RepairPolicy::Auto);
         assert_eq!(host_options(&args).settings, serde_json::json!({"quality": "accurate"}));
     }
 }

@@ -24,12 +24,13 @@ use thiserror::Error;
 use untangled_checker::CheckError;
 use untangled_client::{
     Client, ClientOptions, ConnectError, Correction, CorrectionHeader, CorrectionKind, ExchangeError, PublishError,
-    RegisterError, Registration, Session, StepTime, Uvs, WaitError, flags,
+    RegisterError, Registration, RepairError, Session, StepTime, Uvs, WaitError, flags,
 };
 
 use crate::{
     mesh::{Vec3, to_f32},
     obj::ObjError,
+    repairs::{self, RepairPolicy},
     solver::{Help, Solver},
 };
 
@@ -62,6 +63,10 @@ pub struct HostOptions {
     pub correction: CorrectionKind,
     /// Which part of them is used.
     pub use_of_corrections: Use,
+    /// Which frames the daemon shall repair.
+    pub repair: RepairPolicy,
+    /// How long to wait for a repair before the simulation goes on without.
+    pub repair_deadline: Duration,
     /// Settings of the untangler by name; `null` for its defaults.
     pub settings: serde_json::Value,
 }
@@ -78,6 +83,9 @@ pub enum HostError {
     /// The exchange failed for good.
     #[error(transparent)]
     Exchange(#[from] ExchangeError),
+    /// Repairs failed for good.
+    #[error(transparent)]
+    Repair(#[from] RepairError),
     /// The simulation went wrong.
     #[error(transparent)]
     Check(#[from] CheckError),
@@ -108,6 +116,8 @@ pub struct StepReport {
     pub num_masked: usize,
     /// From publishing to having the correction.
     pub round_trip: Duration,
+    /// Whether the cloth was repaired; then whether nothing intersects any more, for certain.
+    pub repaired: Option<bool>,
 }
 
 /// A simulator with its session.
@@ -130,6 +140,8 @@ impl Host {
     pub fn new(solver: Solver, options: HostOptions) -> Result<Self, HostError> {
         let client =
             Client::connect(ClientOptions { domain: options.domain.clone(), timeout: options.connect_timeout })?;
+        let is_offered = client.daemon().features.iter().any(|feature| feature == "repair");
+        let repair = if is_offered { options.repair } else { RepairPolicy::Never };
         let cloth = solver.cloth();
         let session = client.register(Registration {
             num_vertices: cloth.positions.len(),
@@ -143,7 +155,8 @@ impl Host {
             masses_kg: Some(solver.masses_kg().to_vec()),
             pins: cloth.pins.clone(),
             correction: options.correction,
-            settings: options.settings.clone(),
+            repairs: repair != RepairPolicy::Never,
+            settings: repair.complete(&options.settings, options.repair_deadline),
             ..Registration::default()
         })?;
         let num_vertices = cloth.positions.len();
@@ -164,10 +177,11 @@ impl Host {
         &self.solver
     }
 
-    /// Publishes the current state and takes its correction. The state changes in [`advance`](Self::advance) only.
+    /// Publishes the current state and takes its correction. The state changes in [`advance`](Self::advance), and where
+    /// the daemon repairs it.
     ///
     /// # Errors
-    /// [`HostError::Exchange`] for errors that would repeat in the next frame.
+    /// [`HostError::Exchange`] and [`HostError::Repair`] for errors that would repeat in the next frame.
     pub fn exchange(&mut self) -> Result<StepReport, HostError> {
         let step = StepTime { simulated_s: self.simulated_s, dt_s: self.options.dt_s };
         let begin = Instant::now();
@@ -191,8 +205,17 @@ impl Host {
             Err(ExchangeError::Wait(WaitError::Refused(refusal))) if refusal.is_transient() => None,
             Err(error) => return Err(error.into()),
         };
-        let largest_value = self.take(correction.as_ref());
+        let is_being_repaired = correction.as_ref().is_some_and(Correction::is_being_repaired);
+        let mut repaired = None;
+        if is_being_repaired && self.options.use_of_corrections == Use::Everything {
+            let Self { session, solver, options, .. } = self;
+            let frame = session.frame();
+            repaired = repairs::take(session, solver, frame, options.repair_deadline)?;
+        }
+        // What helps against a tangle would bring another one where it is gone.
+        let largest_value = self.take(correction.as_ref().filter(|_| repaired != Some(true)));
         Ok(StepReport {
+            repaired,
             header: correction.as_ref().map(|correction| *correction.header()),
             largest_value,
             num_masked: self.no_contact.iter().filter(|&&off| off).count(),

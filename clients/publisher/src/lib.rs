@@ -10,6 +10,7 @@ pub mod cli;
 pub mod host;
 pub mod mesh;
 pub mod obj;
+pub mod repairs;
 pub mod report;
 pub mod run;
 pub mod scenes;

@@ -25,6 +25,9 @@ pub struct Summary {
     pub num_face_pairs_after: usize,
     /// Frames for which no correction came in time.
     pub num_late_frames: usize,
+    /// Frames that the daemon repaired.
+    #[serde(default)]
+    pub num_repaired_frames: usize,
 }
 
 /// Writes the line of one frame.
@@ -56,7 +59,7 @@ pub fn write_line(out: &mut dyn Write, frame: usize, report: &StepReport, kind: 
         write!(out, "{separator}{name} {milliseconds:.2}")?;
         separator = ", ";
     }
-    writeln!(out, ")")
+    writeln!(out, "){}", if report.repaired.is_some() { "  repaired" } else { "" })
 }
 
 /// Writes the header of the lines of [`write_brief_line`].
@@ -74,7 +77,8 @@ pub fn write_brief_header(out: &mut dyn Write) -> io::Result<()> {
 pub fn write_brief_line(out: &mut dyn Write, frame: usize, num_hits: usize, report: &StepReport) -> io::Result<()> {
     let round_trip_ms = report.round_trip.as_secs_f64() * 1e3;
     let found = report.header.as_ref().map_or_else(|| "no answer in time".to_owned(), types);
-    writeln!(out, "{frame:>5}  {num_hits:>13}  {round_trip_ms:>6.2} ms  {found}")
+    let repaired = if report.repaired.is_some() { ", repaired" } else { "" };
+    writeln!(out, "{frame:>5}  {num_hits:>13}  {round_trip_ms:>6.2} ms  {found}{repaired}")
 }
 
 /// Path pairs by type, as in `2 LL, 1 BLI`.
@@ -113,11 +117,12 @@ mod tests {
             largest_value: 0.5,
             num_masked: 7,
             round_trip: Duration::from_micros(1500),
+            repaired: Some(true),
         };
         let mut line = Vec::new();
         write_line(&mut line, 3, &report, CorrectionKind::Force).unwrap();
         let line = String::from_utf8(line).unwrap();
-        for part in ["frame     3", "42 edge-face", "2 LL, 1 BI/BI", "5.000e-1 N", "1.50 ms"] {
+        for part in ["frame     3", "42 edge-face", "2 LL, 1 BI/BI", "5.000e-1 N", "1.50 ms", "repaired"] {
             assert!(line.contains(part), "`{part}` is not in `{line}`");
         }
     }

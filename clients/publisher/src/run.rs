@@ -48,15 +48,16 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
         write_brief_header(out)?;
     }
     let mut clean_frames = 0;
-    let mut num_late_frames = 0;
+    let (mut num_late_frames, mut num_repaired_frames) = (0, 0);
     let mut frame = 0;
     loop {
         let report = host.exchange()?;
         num_late_frames += usize::from(report.header.is_none());
+        num_repaired_frames += usize::from(report.repaired.is_some());
         let seems_clean = report.header.is_some_and(|header| header.num_edge_face_intersections == 0);
         clean_frames = if seems_clean && judge(host.solver().cloth())?.0 == 0 { clean_frames + 1 } else { 0 };
         let done = frame == options.max_frames || (clean_frames > 0 && clean_frames == options.num_clean_frames);
-        if options.is_reported(frame, done) {
+        if options.is_reported(frame, done) || report.repaired.is_some() && options.report_every > 0 {
             if options.brief {
                 write_brief_line(out, frame, judge(host.solver().cloth())?.0, &report)?;
             } else {
@@ -78,6 +79,7 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
         num_face_pairs_before,
         num_face_pairs_after,
         num_late_frames,
+        num_repaired_frames,
     })
 }
 

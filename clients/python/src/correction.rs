@@ -7,7 +7,7 @@ use std::{
 
 use pyo3::{prelude::*, types::PyDict};
 use untangled_client::{Correction, PathPoint, PathRecord, VertexCorrection, pair_type};
-use untangled_proto::correction::{TRUNCATED, stage};
+use untangled_proto::correction::{REPAIRING, TRUNCATED, stage};
 
 use crate::memory::Memory;
 
@@ -73,6 +73,7 @@ impl NativeCorrection {
         dict.set_item("dt_s", header.dt_s)?;
         dict.set_item("kind", header.kind)?;
         dict.set_item("truncated", header.flags & TRUNCATED != 0)?;
+        dict.set_item("being_repaired", header.flags & REPAIRING != 0)?;
         dict.set_item("num_edge_face_intersections", header.num_edge_face_intersections)?;
         dict.set_item("num_face_pairs", header.num_face_pairs)?;
         dict.set_item("contour_length_m", header.contour_length_m)?;

@@ -1,7 +1,9 @@
 //! Exceptions.
 
 use pyo3::{create_exception, exceptions::PyException, prelude::*};
-use untangled_client::{ConnectError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError};
+use untangled_client::{
+    ConnectError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError, WaitError,
+};
 
 create_exception!(untangled, Error, PyException, "What all errors of this package are.");
 create_exception!(untangled, NoDaemon, Error, "No daemon serves the domain.");
@@ -79,6 +81,17 @@ pub(crate) fn newest(error: NewestError) -> PyErr {
     match error {
         NewestError::Refused(error) => refused(error),
         NewestError::Receive { .. } => receive(&error),
+    }
+}
+
+pub(crate) fn repair(error: RepairError) -> PyErr {
+    match error {
+        RepairError::Publish(error) => publish(error),
+        RepairError::Timeout { .. } | RepairError::DaemonLost { .. } | RepairError::Overtaken { .. } => {
+            Missed::new_err(error.to_string())
+        }
+        RepairError::Refused(error) => refused(error),
+        RepairError::NotOffered | RepairError::Receive { .. } => Error::new_err(error.to_string()),
     }
 }
 

@@ -12,6 +12,7 @@ mod correction;
 mod error;
 mod library;
 mod memory;
+mod repair;
 mod session;
 
 use pyo3::prelude::*;
@@ -21,6 +22,7 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<session::NativeSession>()?;
     module.add_class::<correction::NativeCorrection>()?;
+    module.add_class::<repair::NativeRepair>()?;
     module.add_class::<memory::Memory>()?;
     module.add_function(wrap_pyfunction!(library::analyse, module)?)?;
     module.add_function(wrap_pyfunction!(library::count_intersections, module)?)?;

@@ -7,8 +7,8 @@ use std::{
 
 use pyo3::{exceptions::PyValueError, prelude::*};
 use untangled_client::{
-    Client, ClientOptions, CorrectionKind, FrameRefusal, Loan, Precision, Registration, Session, Status, StepTime, Uvs,
-    WaitError,
+    Client, ClientOptions, CorrectionKind, FrameRefusal, Loan, Precision, Registration, RepairError, Session, Status,
+    StepTime, Uvs, WaitError,
 };
 use untangled_proto::limits;
 
@@ -17,6 +17,7 @@ use crate::{
     correction::NativeCorrection,
     error::{self, Error},
     memory::Memory,
+    repair::NativeRepair,
 };
 
 /// Longest wait between two checks for Ctrl-C.
@@ -34,11 +35,12 @@ struct Open {
 
 #[pymethods]
 impl NativeSession {
-    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64. `forms` says whether corrections shall
+    /// be sparse, and whether they shall have labels.
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, settings
+        paths, repairs, settings, forms = (false, false)
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -56,7 +58,9 @@ impl NativeSession {
         double: bool,
         kind: &str,
         paths: bool,
+        repairs: bool,
         settings: &str,
+        forms: (bool, bool),
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
             (Some(uvs), Some(corners)) => {
@@ -77,7 +81,10 @@ impl NativeSession {
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
+            sparse: forms.0,
+            labels: forms.1,
             paths,
+            repairs,
             settings: parse(settings)?,
         };
         let timeout = seconds(timeout_s)?;
@@ -152,6 +159,60 @@ impl NativeSession {
     fn newest(&self, py: Python<'_>) -> PyResult<Option<NativeCorrection>> {
         let newest = py.detach(|| self.with(|open| open.session.newest().map_err(error::newest)))?;
         Ok(newest.map(NativeCorrection::new))
+    }
+
+    /// Whether it was registered with repairs, by a daemon that knows them.
+    #[getter]
+    fn has_repairs(&self, py: Python<'_>) -> PyResult<bool> {
+        py.detach(|| self.with(|open| Ok(open.session.has_repairs())))
+    }
+
+    /// Asks for a repair of the next frame.
+    fn ask_for_repair(&self, py: Python<'_>, time_s: Option<f64>) -> PyResult<()> {
+        let time = time_s.map(seconds).transpose()?;
+        py.detach(|| {
+            self.with(|open| {
+                if !open.session.has_repairs() {
+                    return Err(error::repair(RepairError::NotOffered));
+                }
+                open.session.ask_for_repair(time);
+                Ok(())
+            })
+        })
+    }
+
+    /// Waits for the repair of a frame.
+    fn wait_repair(&self, py: Python<'_>, frame: u64, deadline_s: f64) -> PyResult<NativeRepair> {
+        let begin = Instant::now();
+        let deadline = seconds(deadline_s)?;
+        loop {
+            let left = deadline.saturating_sub(begin.elapsed());
+            let answer = py.detach(|| self.with(|open| Ok(open.session.wait_repair(frame, left.min(SLICE)))))?;
+            match answer {
+                Ok(repair) => return Ok(NativeRepair::new(repair)),
+                Err(RepairError::Timeout { .. }) if begin.elapsed() < deadline => py.check_signals()?,
+                Err(RepairError::Timeout { .. }) => {
+                    return Err(error::repair(RepairError::Timeout { frame, waited: begin.elapsed() }));
+                }
+                Err(error) => return Err(error::repair(error)),
+            }
+        }
+    }
+
+    /// The newest repair that has come since the last call, if any.
+    fn poll_repair(&self, py: Python<'_>) -> PyResult<Option<NativeRepair>> {
+        let newest = py.detach(|| self.with(|open| open.session.poll_repair().map_err(error::repair)))?;
+        Ok(newest.map(NativeRepair::new))
+    }
+
+    /// The next frame is no continuation of those before.
+    fn begin_motion(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| {
+            self.with(|open| {
+                open.session.begin_motion();
+                Ok(())
+            })
+        })
     }
 
     /// Replaces the settings from the next frame on.

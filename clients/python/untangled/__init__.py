@@ -17,6 +17,7 @@ Lengths are in metres, times in seconds, masses in kilograms, forces in newtons.
 from ._native import Error, FrameRefused, Missed, NoDaemon, Refused, __version__
 from .correction import Correction, Path, Paths
 from .library import Analysis, Fix, FoundPath, Progress, analyse, count_intersections, fix
+from .repair import Repair
 from .session import Session, status
 
 INSIDE = 1
@@ -48,6 +49,7 @@ __all__ = [
     "Paths",
     "Progress",
     "Refused",
+    "Repair",
     "Session",
     "__version__",
     "analyse",

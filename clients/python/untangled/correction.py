@@ -143,6 +143,11 @@ class Correction:
         return KINDS[self._header["kind"]]
 
     @property
+    def being_repaired(self) -> bool:
+        """Whether a repair of the frame is going to come: see `Session.wait_repair`."""
+        return self._header["being_repaired"]
+
+    @property
     def num_intersections(self) -> int:
         """Number of edges that pierce a face."""
         return self._header["num_edge_face_intersections"]

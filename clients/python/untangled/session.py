@@ -13,6 +13,7 @@ from . import _arrays
 from ._native import FrameRefused, NativeSession
 from ._native import status as _status
 from .correction import KINDS, Correction
+from .repair import Repair
 
 
 class Session:
@@ -38,6 +39,7 @@ class Session:
             force where there are masses, else displacement.
         dtype: float32 or float64: the precision in which positions are sent.
         paths: whether corrections bring the intersection paths.
+        repairs: whether frames may be repaired, see :meth:`repair`. Takes shared memory for four frames more.
         settings: by name, as in `untangled config`, section `settings`; besides, `quality`. Numbers of numpy are
             taken for what they are.
         dt: length of a step in seconds, where a call does not say another; 1e-9 to 1e9.
@@ -60,6 +62,7 @@ class Session:
         correction: Optional[str] = None,
         dtype: DTypeLike = np.float32,
         paths: bool = False,
+        repairs: bool = False,
         settings: Optional[Mapping[str, Any]] = None,
         dt: float = 1 / 60,
         domain: Optional[str] = None,
@@ -95,6 +98,7 @@ class Session:
             double=self.dtype == np.float64,
             kind=correction,
             paths=paths,
+            repairs=repairs,
             settings=_arrays.document(settings),
             **cloth,  # type: ignore[arg-type]
         )
@@ -165,6 +169,71 @@ class Session:
             self._take_back(refusal)
             raise
         return None if native is None else Correction(native)
+
+    def repair(
+        self,
+        positions: ArrayLike,
+        dt: Optional[float] = None,
+        *,
+        time: Optional[float] = None,
+        deadline: float = 60.0,
+    ) -> Repair:
+        """Publishes `positions` (metres, `num_vertices x 3`) and waits up to `deadline` seconds for their repair.
+
+        One exchange from a tangled cloth to one that is certified clean, or to the best that is reached in time. For
+        sessions with `repairs=True`. See :meth:`exchange` for the arguments.
+
+        Raises:
+            Missed: no repair within the deadline; it may still come, see :meth:`poll_repair`.
+            FrameRefused: the frame can't be used.
+        """
+        given = _arrays.host("positions", positions)
+        if given.shape != (self.num_vertices, 3):
+            raise ValueError(f"positions must be of shape {(self.num_vertices, 3)}, not {given.shape}")
+        deadline = self._checked(deadline)
+        self.ask_for_repair(deadline)
+        with self.frame(dt, time=time) as slots:
+            np.copyto(slots, given, casting="same_kind")
+        return self.wait_repair(deadline=deadline)
+
+    def ask_for_repair(self, time: Optional[float] = None) -> None:
+        """Asks for a repair of the next frame that is published, by whatever call.
+
+        Its correction comes as ever; the repair comes beside it when it is done, see :meth:`poll_repair`. With `time`
+        the daemon sends the best state so far early enough to be here within so many seconds; otherwise the setting
+        `repair_deadline_us` limits it.
+        """
+        self._native.ask_for_repair(time)
+
+    def wait_repair(self, frame: Optional[int] = None, *, deadline: float = 60.0) -> Repair:
+        """The repair of a frame, by default of the last one that was published. See :meth:`repair`."""
+        deadline = self._checked(deadline)
+        try:
+            return Repair(self._native.wait_repair(self._native.frame if frame is None else frame, deadline))
+        except FrameRefused as refusal:
+            self._take_back(refusal)
+            raise
+
+    def poll_repair(self) -> Optional[Repair]:
+        """The newest repair that has come since the last call, if any. Does not wait.
+
+        Add it to the positions of its frame, or to those of now: a displacement of the cloth stays right for as long as
+        it hangs as it hung then.
+        """
+        native = self._native.poll_repair()
+        return None if native is None else Repair(native)
+
+    def begin_motion(self) -> None:
+        """Says that the next frame is no continuation of those before.
+
+        With the setting `repair` = `auto` the daemon then begins anew to judge progress.
+        """
+        self._native.begin_motion()
+
+    @property
+    def has_repairs(self) -> bool:
+        """Whether the session was registered with `repairs=True`, by a daemon that knows them."""
+        return self._native.has_repairs
 
     def _take_back(self, refusal: FrameRefused) -> None:
         """A frame that was refused takes no simulated time, unless newer ones were published."""

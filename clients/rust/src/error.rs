@@ -211,6 +211,48 @@ impl FrameRefusal {
     }
 }
 
+/// Why a repair did not come, or was not asked for.
+#[derive(Clone, Debug, Error)]
+pub enum RepairError {
+    /// The session has no repairs.
+    #[error("the session has no repairs: it was registered without them, or by a daemon that does not know them")]
+    NotOffered,
+    /// The state was not published.
+    #[error(transparent)]
+    Publish(#[from] PublishError),
+    /// It did not come in time. It may still come: see [`Session::poll_repair`](crate::Session::poll_repair).
+    #[error("no repair of frame {frame} within {}", InWords(*waited))]
+    Timeout {
+        /// The frame.
+        frame: u64,
+        /// How long was waited.
+        waited: Duration,
+    },
+    /// The daemon went away. The next call registers the session again.
+    #[error("the untangled daemon went away while the repair of frame {frame} was waited for")]
+    DaemonLost {
+        /// The frame.
+        frame: u64,
+    },
+    /// The daemon went on to a newer frame.
+    #[error("the repair of frame {frame} was overtaken by that of frame {newest}")]
+    Overtaken {
+        /// The frame.
+        frame: u64,
+        /// The newest frame with a repair.
+        newest: u64,
+    },
+    /// The daemon could not use the frame.
+    #[error(transparent)]
+    Refused(#[from] FrameRefusal),
+    /// The transport failed; most likely too many repairs are held.
+    #[error("receiving a repair failed, most likely since too many are held: {reason}")]
+    Receive {
+        /// The error of iceoryx2.
+        reason: String,
+    },
+}
+
 /// Why a correction did not come.
 #[derive(Clone, Debug, Error)]
 pub enum WaitError {

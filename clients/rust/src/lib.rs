@@ -28,23 +28,28 @@
 //! gave. It notices a daemon that died or was restarted, and registers the session again at its next call: see
 //! [`Session`].
 //!
-//! Modules, each using only those before it: `error`, `registration`; `control` (the connection to a daemon, and
-//! requests); `session` (ports, registering again, loans, corrections, paths); `client`.
+//! Modules, each using only those before it: `contacts` (which contacts have to be off); `error`, `registration`;
+//! `control` (the connection to a daemon, and requests); `session` (ports, registering again, loans, corrections,
+//! paths); `client`.
 
 mod client;
+mod contacts;
 mod control;
 mod error;
 mod registration;
 mod session;
 
 pub use client::{Client, ClientOptions};
+pub use contacts::ContactFilter;
 pub use error::{
-    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RequestError, WaitError,
+    ConnectError, ExchangeError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError,
+    WaitError,
 };
 pub use registration::{Registration, Uvs};
-pub use session::{Correction, Loan, LoanMemory, Paths, Session, StepTime};
+pub use session::{Correction, Loan, LoanMemory, Paths, Repair, Session, StepTime};
 pub use untangled_proto::{
-    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
+    CorrectionHeader, CorrectionKind, Precision, RepairHeader, Status, VertexCorrection, VertexEntry, VertexLabel,
+    flags, pair_type,
     paths::{PathPoint, PathRecord, path_type},
 };
 

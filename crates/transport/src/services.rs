@@ -22,6 +22,7 @@ use untangled_proto::{
     memory::{PADDED_ALIGNMENT, PayloadLayout},
     names,
     paths::PathsHeader,
+    repair::RepairHeader,
     state::{PositionF32, PositionF64, StateHeader},
 };
 
@@ -33,6 +34,10 @@ pub type Requests = port_factory::request_response::PortFactory<Ipc, [u8], Reque
 pub type States<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], StateHeader>;
 /// A correction service.
 pub type CorrectionService = port_factory::publish_subscribe::PortFactory<Ipc, [VertexCorrection], CorrectionHeader>;
+/// A service of sparse corrections.
+pub type SparseService = port_factory::publish_subscribe::PortFactory<Ipc, [u32], CorrectionHeader>;
+/// A repair service of displacements `P`.
+pub type Repairs<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], RepairHeader>;
 /// A paths service.
 pub type PathsService = port_factory::publish_subscribe::PortFactory<Ipc, [u8], PathsHeader>;
 /// An event service.
@@ -130,7 +135,7 @@ pub fn open_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventOpenError>
 pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, EventCreateError> {
     node.service_builder(&service_name(name))
         .event()
-        .max_notifiers(1)
+        .max_notifiers(2)
         .max_listeners(1 + limits::PATHS_SUBSCRIBERS)
         .max_nodes(2 + limits::PATHS_SUBSCRIBERS)
         .event_id_max_value(names::EVENT_MAX)
@@ -158,6 +163,22 @@ pub trait Position: std::fmt::Debug + ZeroCopySend + Sized + 'static {
     /// # Errors
     /// The error of iceoryx2.
     fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError>;
+
+    /// Creates a repair service.
+    ///
+    /// # Errors
+    /// The error of iceoryx2.
+    fn create_repairs(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<Repairs<Self>, PublishSubscribeCreateError>;
+
+    /// Opens a repair service.
+    ///
+    /// # Errors
+    /// The error of iceoryx2.
+    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError>;
 }
 
 impl Position for PositionF32 {
@@ -172,6 +193,18 @@ impl Position for PositionF32 {
     fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
         open_states(node, name)
     }
+
+    fn create_repairs(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<Repairs<Self>, PublishSubscribeCreateError> {
+        create_repairs(node, name, layout)
+    }
+
+    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError> {
+        open_repairs(node, name)
+    }
 }
 
 impl Position for PositionF64 {
@@ -185,6 +218,18 @@ impl Position for PositionF64 {
 
     fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
         open_states(node, name)
+    }
+
+    fn create_repairs(
+        node: &Node<Ipc>,
+        name: &str,
+        layout: PayloadLayout,
+    ) -> Result<Repairs<Self>, PublishSubscribeCreateError> {
+        create_repairs(node, name, layout)
+    }
+
+    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError> {
+        open_repairs(node, name)
     }
 }
 
@@ -211,6 +256,29 @@ fn open_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, P
     node.service_builder(&service_name(name)).publish_subscribe::<[P]>().user_header::<StateHeader>().open()
 }
 
+fn create_repairs<P: Position>(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<Repairs<P>, PublishSubscribeCreateError> {
+    node.service_builder(&service_name(name))
+        .publish_subscribe::<[P]>()
+        .user_header::<RepairHeader>()
+        .payload_alignment(alignment(layout))
+        .max_publishers(1)
+        .max_subscribers(1)
+        .max_nodes(2)
+        .history_size(0)
+        .subscriber_max_buffer_size(limits::REPAIR_BUFFER)
+        .subscriber_max_borrowed_samples(limits::REPAIR_BORROWED)
+        .enable_safe_overflow(true)
+        .create()
+}
+
+fn open_repairs<P: Position>(node: &Node<Ipc>, name: &str) -> Result<Repairs<P>, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name)).publish_subscribe::<[P]>().user_header::<RepairHeader>().open()
+}
+
 /// Creates a correction service.
 ///
 /// # Errors
@@ -220,8 +288,43 @@ pub fn create_corrections(
     name: &str,
     layout: PayloadLayout,
 ) -> Result<CorrectionService, PublishSubscribeCreateError> {
+    create_frames(node, name, layout)
+}
+
+/// Opens a correction service.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
+    open_frames(node, name)
+}
+
+/// Creates a service of sparse corrections, which are packed.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn create_sparse_corrections(node: &Node<Ipc>, name: &str) -> Result<SparseService, PublishSubscribeCreateError> {
+    create_frames(node, name, PayloadLayout::Packed)
+}
+
+/// Opens a service of sparse corrections.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn open_sparse_corrections(node: &Node<Ipc>, name: &str) -> Result<SparseService, PublishSubscribeOpenError> {
+    open_frames(node, name)
+}
+
+/// A service for one answer to each frame, with the limits of corrections.
+type Frames<E> = port_factory::publish_subscribe::PortFactory<Ipc, [E], CorrectionHeader>;
+
+fn create_frames<E: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<Frames<E>, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
-        .publish_subscribe::<[VertexCorrection]>()
+        .publish_subscribe::<[E]>()
         .user_header::<CorrectionHeader>()
         .payload_alignment(alignment(layout))
         .max_publishers(1)
@@ -234,15 +337,11 @@ pub fn create_corrections(
         .create()
 }
 
-/// Opens a correction service.
-///
-/// # Errors
-/// The error of iceoryx2.
-pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[VertexCorrection]>()
-        .user_header::<CorrectionHeader>()
-        .open()
+fn open_frames<E: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+) -> Result<Frames<E>, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name)).publish_subscribe::<[E]>().user_header::<CorrectionHeader>().open()
 }
 
 /// Creates a paths service.

@@ -36,6 +36,7 @@ pub mod settings;
 pub mod stage;
 
 pub mod frame;
+mod geodesic;
 mod geometry;
 
 pub mod simd;
@@ -49,6 +50,8 @@ pub mod regions;
 pub mod analysis;
 
 pub mod correspond;
+
+pub mod labels;
 
 pub mod respond;
 

@@ -43,6 +43,12 @@ pub struct Settings {
     /// measures the time and ends the frame through the observer of its stages, as the daemon does. Pairs of paths for
     /// which there is no time are left out, the shortest first.
     pub deadline_us: Option<u64>,
+    /// Which frames the daemon repairs, for sessions with a repair service. The library itself repairs by
+    /// [`relax`](crate::relax::relax).
+    pub repair: Repair,
+    /// Time for a repair in microseconds, from when it is asked for; the best state so far is sent then. Without it a
+    /// repair ends when nothing intersects, or when nothing helps any more.
+    pub repair_deadline_us: Option<u64>,
 }
 
 /// A preset of settings, to start from: a point on the measured front of time against frames to clean, see
@@ -94,6 +100,19 @@ pub enum Response {
     Mask,
 }
 
+/// Which frames the daemon repairs: moves to a state in which nothing intersects, in one displacement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Repair {
+    /// Those that ask for it.
+    #[default]
+    Asked,
+    /// Those as well at which a tangle has not shrunk for some frames.
+    Auto,
+    /// Each in which something intersects, unless a repair of the session is in work.
+    Always,
+}
+
 /// Which of the two sides of a partitioning path is inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -125,6 +144,8 @@ impl Default for Settings {
             max_face_pairs: None,
             max_tested_pairs: None,
             deadline_us: None,
+            repair: Repair::default(),
+            repair_deadline_us: None,
         }
     }
 }
@@ -183,7 +204,9 @@ impl Settings {
         let expected = "at least 1, or left out for a limit by the size of the mesh";
         check("max_face_pairs", 0.0, self.max_face_pairs != Some(0), expected)?;
         check("max_tested_pairs", 0.0, self.max_tested_pairs != Some(0), expected)?;
-        check("deadline_us", 0.0, self.deadline_us != Some(0), "at least 1, or left out for no limit")
+        let expected = "at least 1, or left out for no limit";
+        check("repair_deadline_us", 0.0, self.repair_deadline_us != Some(0), expected)?;
+        check("deadline_us", 0.0, self.deadline_us != Some(0), expected)
     }
 }
 

@@ -77,6 +77,17 @@ impl Untangler {
         Ok(())
     }
 
+    /// Switches the labels of [`Corrections`] on or off, from the next frame on; they are off at first.
+    pub fn set_labelled(&mut self, is_labelled: bool) {
+        self.responder.set_labelled(is_labelled);
+    }
+
+    /// Whether [`Corrections`] have labels.
+    #[must_use]
+    pub fn is_labelled(&self) -> bool {
+        self.responder.is_labelled()
+    }
+
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
@@ -86,6 +97,7 @@ impl Untangler {
             observer.begin(Stage::Respond);
             let (found, add) = self.responder.displacement_adder(&self.mesh);
             self.coupled.step(&self.mesh, frame, analysis, found, add);
+            self.responder.list_touched();
             observer.end();
         }
         Outcome {

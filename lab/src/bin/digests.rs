@@ -25,6 +25,7 @@ use untangle::{
     analysis::Analysis,
     frame::Frame,
     intersect::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd},
+    labels::VertexLabel,
     mesh::{EdgeId, FaceId, Mesh, VertexId},
     paths::{
         ChainEnd, IntersectionPaths, PairType, PathCopy, PathPair, PathPoint, PathSegment, PathType, SurfacePoint,
@@ -192,8 +193,25 @@ feed_fields! {
     PathSegment { own, partner }
     InsideRegions { by_copy, vertices, order, num_done }
     InsideRegion { partitioning, vertices, joint, disc_radius }
-    Corrections { forces, flags, net_force, net_torque, max_displacement_m, left_out }
     LeftOut { num_pairs, length_m }
+    VertexLabel { vertex, label }
+}
+
+impl Feed for Corrections {
+    fn feed(&self, digest: &mut Digest) {
+        // Which vertices were touched follows from forces and flags.
+        let Self { forces, flags, touched: _, labels, net_force, net_torque, max_displacement_m, left_out } = self;
+        forces.feed(digest);
+        flags.feed(digest);
+        net_force.feed(digest);
+        net_torque.feed(digest);
+        max_displacement_m.feed(digest);
+        left_out.feed(digest);
+        // Only where they were asked for: builds without labels have the same digests.
+        if !labels.is_empty() {
+            labels.feed(digest);
+        }
+    }
 }
 
 /// Values that are fed as another value.

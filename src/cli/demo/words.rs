@@ -88,6 +88,7 @@ mod tests {
             num_face_pairs_before: 1,
             num_face_pairs_after: 0,
             num_late_frames: 0,
+            num_repaired_frames: 0,
         };
         let sentence =
             |control: Option<&Summary>| shown(&mesh, &summary(true, 1), control, Path::new("out")).replace('\n', " ");

@@ -18,17 +18,20 @@ use super::registration;
 use crate::service::{
     error::Refusal,
     options::ServeOptions,
-    session::{Session, Totals},
+    repair::RepairWorkers,
+    session::{Session, Shared, Totals},
     throttle::Throttle,
 };
 
 /// Most sessions of one client that wait for its state publisher, which a client makes right after the reply.
 const MAX_WAITING: usize = 16;
 
-/// State that all threads of a daemon share. Fields are dropped in order: sessions before the node.
+/// State that all threads of a daemon share. Fields are dropped in order: sessions, whose repairs end
+/// with them, before the threads of repairs, and these before the node.
 #[derive(Debug)]
 pub(crate) struct Registry {
     sessions: Mutex<Vec<Arc<Session>>>,
+    workers: Arc<RepairWorkers>,
     node: Arc<Node<Ipc>>,
     options: ServeOptions,
     /// Tells this run of the daemon from any other.
@@ -44,6 +47,7 @@ impl Registry {
     pub(crate) fn new(node: Arc<Node<Ipc>>, options: ServeOptions) -> Self {
         Self {
             sessions: Mutex::default(),
+            workers: Arc::new(RepairWorkers::new(options.num_repair_workers, options.num_workers())),
             node,
             options,
             instance: RandomState::new().hash_one(std::process::id()),
@@ -118,8 +122,8 @@ impl Registry {
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
         let registered = registration::read(sections, &self.options, layout, promised)?;
         let id = self.num_registered.fetch_add(1, Ordering::Relaxed) + 1;
-        let totals = Arc::clone(&self.totals);
-        let session = Session::create(&self.node, &self.options.domain, self.instance, id, client, registered, totals)?;
+        let shared = Shared { totals: &self.totals, workers: &self.workers };
+        let session = Session::create(&self.node, &self.options.domain, self.instance, id, client, registered, shared)?;
         if let Some(num_suppressed) = REGISTERED.admit() {
             tracing::info!(
                 session = id,

@@ -14,7 +14,7 @@ use untangled_proto::{
 };
 
 use super::registry::Registry;
-use crate::service::session::Session;
+use crate::service::{repair::Counts, session::Session};
 
 /// The report of a daemon, as status replies and metrics carry it.
 #[derive(Debug, Serialize)]
@@ -53,6 +53,10 @@ pub(crate) struct SessionReport {
     pub(crate) num_refused_frames: u64,
     pub(crate) num_skipped_frames: u64,
     pub(crate) num_truncated_frames: u64,
+    /// Repairs that were sent, those of them that are certified, and requests that a newer one replaced while they
+    /// waited; only for sessions that asked for repairs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repairs: Option<Counts>,
     pub(crate) rate_hz: f64,
     last_frame: Option<u64>,
     pub(crate) num_edge_face_intersections: u64,
@@ -101,6 +105,7 @@ fn session_report(session: &Arc<Session>) -> SessionReport {
         num_refused_frames: statistics.num_refused_frames,
         num_skipped_frames: last.num_skipped_frames,
         num_truncated_frames: statistics.num_truncated_frames,
+        repairs: session.repairs(),
         rate_hz: statistics.rate_hz(),
         last_frame: statistics.last.map(|header| header.frame),
         num_edge_face_intersections: last.num_edge_face_intersections,

@@ -36,14 +36,15 @@ use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
 
 use super::{
     error::{Refusal, ServeError},
+    repair::{Counts, RepairDesk, RepairPort, RepairPortOptions, RepairWorkers},
     throttle::Throttle,
 };
 pub use estimate::memory_bytes;
 use paths::PathsPort;
-use ports::{CorrectionPort, StatePort};
+use ports::{CorrectionPort, PortOptions, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
-use work::Work;
+use work::{SessionRepairs, Work};
 
 /// How long a host may take from the reply to the creation of its publisher.
 const GRACE: Duration = Duration::from_secs(10);
@@ -56,11 +57,20 @@ const IDLE: u8 = 0;
 const QUEUED: u8 = 1;
 const AGAIN: u8 = 2;
 
+/// What the sessions of a daemon share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shared<'a> {
+    pub(crate) totals: &'a Arc<Totals>,
+    pub(crate) workers: &'a Arc<RepairWorkers>,
+}
+
 /// A host's cloth. Fields are dropped in order: ports before services.
 #[derive(Debug)]
 pub(crate) struct Session {
     states: StatePort,
     work: Mutex<Work>,
+    /// The repairs, which `work` asks for.
+    repairs: Option<Arc<RepairDesk>>,
     id: u64,
     /// The process that registered it.
     client: Option<ProcessId>,
@@ -88,19 +98,34 @@ impl Session {
         id: u64,
         client: Option<ProcessId>,
         registered: Registered,
-        totals: Arc<Totals>,
+        shared: Shared<'_>,
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
-        let Registered { mesh, settings, precision, correction, layout } = registered;
-        let untangler =
+        let Registered { mesh, settings, precision, correction, layout, options } = registered;
+        let mut untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        untangler.set_labelled(options.has_labels());
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
-        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices(), layout)?;
+        let num_vertices = mesh.num_vertices();
+        let port = PortOptions { domain, instance, session: id, num_vertices, layout, options };
+        let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
-        let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths);
+        let repairs = if options.has_repairs() {
+            shared.workers.start().map_err(|error| {
+                Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
+            })?;
+            let port = RepairPortOptions { domain, instance, session: id, num_vertices, precision, layout };
+            let port = RepairPort::create(node, corrections.event(), port)?;
+            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port)))
+        } else {
+            None
+        };
+        let asked = repairs.clone().map(|desk| SessionRepairs { desk, workers: Arc::clone(shared.workers) });
+        let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths, asked);
         Ok(Self {
             states,
             work: Mutex::new(work),
+            repairs,
             id,
             client,
             mesh,
@@ -110,7 +135,7 @@ impl Session {
             phase: AtomicU8::new(IDLE),
             settings: Mutex::new(None),
             statistics: Mutex::default(),
-            totals,
+            totals: Arc::clone(shared.totals),
             last_ns: AtomicU64::new(0),
             had_host: AtomicBool::new(false),
             created: Instant::now(),
@@ -144,6 +169,11 @@ impl Session {
 
     pub(crate) fn statistics(&self) -> Statistics {
         lock(&self.statistics).clone()
+    }
+
+    /// Counts of its repairs, where it asked for them.
+    pub(crate) fn repairs(&self) -> Option<Counts> {
+        self.repairs.as_ref().map(|desk| desk.counts())
     }
 
     /// Changes the settings from the next frame on.

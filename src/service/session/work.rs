@@ -14,7 +14,7 @@ use untangle::{
     untangler::{Outcome, Untangler},
 };
 use untangled_proto::{
-    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    CorrectionHeader, CorrectionKind, StateHeader, Status,
     correction::{NO_FAULT, TRUNCATED, stage},
 };
 
@@ -23,9 +23,12 @@ use super::{
     ingest::{self, StateFault},
     paths::PathsPort,
     ports::{CorrectionPort, StatePort},
-    publish,
+    publish::{self, Values},
 };
-use crate::service::throttle::Throttle;
+use crate::service::{
+    repair::{RepairDesk, RepairWorkers},
+    throttle::Throttle,
+};
 
 /// The fault of a frame whose processing panicked.
 const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FAULT, value: 0.0 };
@@ -35,6 +38,7 @@ const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FA
 pub(crate) struct Work {
     corrections: CorrectionPort,
     paths: PathsPort,
+    repairs: Option<SessionRepairs>,
     untangler: Untangler,
     frame: Frame,
     mesh: Arc<Mesh>,
@@ -45,7 +49,7 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// The work of the session with this id; `corrections` and `paths` are its ports.
+    /// The work of the session with this id; `corrections`, `paths` and `repairs` are its ports.
     pub(crate) fn new(
         session: u64,
         correction: CorrectionKind,
@@ -53,10 +57,22 @@ impl Work {
         untangler: Untangler,
         corrections: CorrectionPort,
         paths: PathsPort,
+        repairs: Option<SessionRepairs>,
     ) -> Self {
         let frame = Frame::default();
         let (num_skipped_frames, last_frame) = (0, None);
-        Self { corrections, paths, untangler, frame, mesh, session, correction, num_skipped_frames, last_frame }
+        Self {
+            corrections,
+            paths,
+            repairs,
+            untangler,
+            frame,
+            mesh,
+            session,
+            correction,
+            num_skipped_frames,
+            last_frame,
+        }
     }
 
     /// Takes over settings that were validated before.
@@ -90,9 +106,9 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> CorrectionHeader {
         self.count_skipped(state.frame);
-        let Self { corrections: port, paths, untangler, frame, mesh, correction: kind, .. } = self;
+        let Self { corrections: port, paths, repairs, untangler, frame, mesh, correction: kind, .. } = self;
         let checked = read.and_then(|()| ingest::check_header(state, mesh.num_vertices()));
-        let settings = untangler.settings();
+        let settings = untangler.settings().clone();
         let limits = FrameLimits {
             max_face_pairs: settings.max_face_pairs(mesh.num_faces()),
             deadline_us: settings.deadline_us,
@@ -106,23 +122,29 @@ impl Work {
         };
         header.num_vertices = u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX);
         header.num_skipped_frames = self.num_skipped_frames;
+        let repairs = repairs.as_ref().filter(|repairs| repairs.desk.is_wanted(&settings, state, &mut header));
         // Before the correction, so that a host that has the correction finds its paths.
         if let Ok(outcome) = &outcome {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
-        let sent = match &outcome {
-            Ok(outcome) => port.send(&mut header, clock, record, |index| {
-                publish::vertex(mesh, outcome.corrections, *kind, state.dt_s, index)
-            }),
-            Err(_) => port.send(&mut header, clock, record, |_| VertexCorrection::default()),
-        };
-        if let Err(error) = sent {
+        let values = outcome.as_ref().ok().map(|outcome| Values {
+            mesh,
+            corrections: outcome.corrections,
+            kind: *kind,
+            dt_s: state.dt_s,
+        });
+        if let Err(error) = port.send(&mut header, clock, record, values.as_ref()) {
             static LOST: Throttle = Throttle::new();
             if let Some(num_suppressed) = LOST.admit() {
                 tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
             }
         }
-        if matches!(outcome, Err(StateFault { status: Status::Internal, .. })) {
+        let is_broken = matches!(outcome, Err(StateFault { status: Status::Internal, .. }));
+        // After the correction, which waits for no repair.
+        if let Some(repairs) = repairs {
+            repairs.ask(&settings, state, &header, frame);
+        }
+        if is_broken {
             self.reset();
         }
         header
@@ -137,8 +159,24 @@ impl Work {
 
     /// Replaces the untangler after a panic, which may have left its memory inconsistent. Its settings are valid still.
     fn reset(&mut self) {
-        if let Ok(fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+        if let Ok(mut fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+            fresh.set_labelled(self.untangler.is_labelled());
             self.untangler = fresh;
+        }
+    }
+}
+
+/// Where the repairs of a session are asked for, and who works on them.
+#[derive(Debug)]
+pub(crate) struct SessionRepairs {
+    pub(crate) desk: Arc<RepairDesk>,
+    pub(crate) workers: Arc<RepairWorkers>,
+}
+
+impl SessionRepairs {
+    fn ask(&self, settings: &Settings, state: &StateHeader, header: &CorrectionHeader, frame: &Frame) {
+        if let Some(job) = self.desk.ask(settings, state, header, frame) {
+            self.workers.push(job);
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use untangled_client::{RegisterError, RequestError, Status};
-use untangled_proto::{PayloadLayout, Precision, memory};
-use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, serve, sheet};
+use untangled_client::{RegisterError, Registration, RequestError, Status};
+use untangled_proto::{PayloadLayout, Precision, SessionOptions, memory};
+use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, eventually, fill_flat, serve, sheet};
 
 use super::super::machine::busy;
 
@@ -13,13 +13,14 @@ fn session_takes_the_shared_memory_that_the_formula_says() {
     let domain = TestDomain::new();
     let _daemon = Daemon::start(&domain);
     let client = domain.connect();
-    for side in [3, 199] {
-        let cloth = sheet(side);
+    for (side, repairs) in [(3, false), (199, false), (199, true)] {
+        let cloth = Registration { repairs, ..sheet(side) };
         let num_vertices = cloth.num_vertices;
+        let options = if repairs { SessionOptions::REPAIR } else { SessionOptions::default() };
         let mut session = client.register(cloth).unwrap();
         session.exchange(STEP, PATIENCE, fill_flat).unwrap();
         // Until the request's resources are gone on both sides.
-        let formula = memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed);
+        let formula = memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed, options);
         let with = settled(&domain);
         drop(session);
         let without = settled(&domain);
@@ -58,10 +59,66 @@ fn daemon_takes_the_memory_of_a_session_that_it_estimates() {
         cloth.exchange(&mut session, PATIENCE).unwrap();
     }
     let taken = daemon.memory() - idle;
-    let estimate =
-        untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, PayloadLayout::Packed);
+    let estimate = untangled::service::session::memory_bytes(
+        num_vertices,
+        num_faces,
+        Precision::F32,
+        PayloadLayout::Packed,
+        SessionOptions::default(),
+    );
     println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
     assert!(taken < estimate && 2 * estimate < 5 * taken, "{taken} bytes taken, {estimate} estimated");
+}
+
+#[test]
+fn daemon_takes_the_memory_of_a_repair_that_it_estimates() {
+    let _guard = busy();
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let idle = daemon.memory();
+    let cloth = KnownCloth::new(6_000);
+    let registration = Registration { repairs: true, ..cloth.registration() };
+    let (num_vertices, num_faces) = (registration.num_vertices, registration.triangles.len());
+    let mut session = client.register(registration).unwrap();
+    session.ask_for_repair(None);
+    session.publish(STEP, |slots| slots.copy_from_slice(cloth.positions(7))).unwrap();
+    let mut most = 0;
+    eventually("the repair is done", || {
+        most = most.max(daemon.memory());
+        session.poll_repair().unwrap().is_some_and(|repair| repair.is_certified())
+    });
+    let (taken, options) = (most - idle, SessionOptions::REPAIR);
+    let layout = PayloadLayout::Packed;
+    let estimate = untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, layout, options);
+    println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
+    assert!(taken < estimate && estimate < 8 * taken, "{taken} bytes taken, {estimate} estimated");
+}
+
+#[test]
+fn session_takes_the_open_files_that_the_daemon_makes_room_for() {
+    let domain = TestDomain::new();
+    let daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let open = || std::fs::read_dir(format!("/proc/{}/fd", daemon.pid())).unwrap().count();
+    for repairs in [false, true] {
+        let session = || {
+            let mut session = client.register(Registration { repairs, ..sheet(4) }).unwrap();
+            session.exchange(STEP, PATIENCE, fill_flat).unwrap();
+            if repairs {
+                session.repair(STEP, PATIENCE, fill_flat).unwrap();
+            }
+            session
+        };
+        // What requests take on their way is there after the first.
+        let first = session();
+        let before = open();
+        let sessions: Vec<_> = (0..8).map(|_| session()).collect();
+        let taken = open() - before;
+        println!("repairs {repairs}: {taken} open files for 8 sessions");
+        assert!(taken <= 8 * if repairs { 25 } else { 20 }, "{taken}");
+        drop((first, sessions));
+    }
 }
 
 #[test]

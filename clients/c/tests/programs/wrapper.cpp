@@ -78,6 +78,36 @@ int main(int argc, char **argv) {
     session.update_settings("{\"quality\": \"fast\"}", 60s);
     EXPECT(client.status().find("untangled.status/1") != std::string::npos);
 
+    EXPECT(!session.has_repairs() && !session.poll_repair());
+    EXPECT(error_of([&] { session.repair(0.0, 0.01, {crossed.data(), crossed.size()}, 60s); }) ==
+           UNTANGLED_NO_REPAIRS);
+    cloth.repairs = true;
+    auto repaired = client.open(cloth);
+    EXPECT(repaired.has_repairs());
+    {
+        auto repair = repaired.repair(0.0, 0.01, {crossed.data(), crossed.size()}, 60s);
+        EXPECT(repair.certified() && !repair.truncated() && repair.displacements_f64().size() == 0);
+        auto clean = crossed;
+        for (std::size_t k = 0; k < clean.size(); ++k) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                clean[k][axis] += repair.displacements()[k][axis];
+            }
+        }
+        // One is held.
+        EXPECT(error_of([&] { repaired.wait_repair(1, 1ms); }) == UNTANGLED_TOO_MANY_CORRECTIONS);
+        const auto after = repaired.exchange(0.0, 0.01, {clean.data(), clean.size()}, 60s);
+        EXPECT(after.summary().num_edge_face_intersections == 0 && repair.summary().num_moved > 0);
+    }
+    repaired.begin_motion();
+    repaired.ask_for_repair(30s);
+    {
+        auto frame = repaired.begin_frame(0.0, 0.01);
+        std::copy(crossed.begin(), crossed.end(), frame.positions().begin());
+        const auto number = frame.send();
+        EXPECT(repaired.wait_repair(number, 60s).summary().frame == number);
+        EXPECT(!repaired.poll_repair());
+    }
+
     cloth.precision = UNTANGLED_F64;
     auto precise = client.open(cloth);
     auto frame = precise.begin_frame_f64(0.0, 0.01);
@@ -85,6 +115,14 @@ int main(int argc, char **argv) {
         std::copy(crossed[k].begin(), crossed[k].end(), frame.positions()[k].begin());
     }
     EXPECT(precise.wait(frame.send(), 60s).summary().num_edge_face_intersections == 2);
+    std::array<std::array<double, 3>, 6> doubled = {};
+    for (std::size_t k = 0; k < 6; ++k) {
+        std::copy(crossed[k].begin(), crossed[k].end(), doubled[k].begin());
+    }
+    {
+        const auto repair = precise.repair_f64(0.0, 0.01, {doubled.data(), doubled.size()}, 60s);
+        EXPECT(repair.certified() && repair.displacements().size() == 0 && repair.displacements_f64().size() == 6);
+    }
     try {
         precise.wait(1000, 1ms);
         EXPECT(!"frame 1000");

@@ -129,6 +129,17 @@ impl Solver {
         &self.masses_kg
     }
 
+    /// Puts the cloth to other positions, `num_vertices x 3` in metres. Its velocities stay.
+    pub fn place(&mut self, positions: &[Vec3]) {
+        for ((position, &place), inverse_mass) in
+            self.cloth.positions.iter_mut().zip(positions).zip(&self.inverse_masses)
+        {
+            if *inverse_mass > 0.0 {
+                *position = place;
+            }
+        }
+    }
+
     /// Moves the cloth on by `dt_s` seconds.
     pub fn step(&mut self, dt_s: f64, help: Help<'_>) {
         let free = |vertex: usize, inverse_masses: &[f64]| inverse_masses[vertex] > 0.0;

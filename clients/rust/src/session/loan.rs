@@ -6,7 +6,7 @@ use iceoryx2::{port::publisher::Publisher, prelude::ZeroCopySend, sample_mut::Sa
 use untangled_proto::{PositionF32, PositionF64, StateHeader};
 use untangled_transport::services::Ipc;
 
-use super::link::StatePort;
+use super::{link::StatePort, repair::StateWishes};
 use crate::error::RequestError;
 
 /// When a state is from.
@@ -79,9 +79,11 @@ impl Loan {
         self.num_registrations
     }
 
-    pub(crate) fn send(self, frame: u64, num_vertices: u32) -> Result<(), RequestError> {
+    pub(crate) fn send(self, frame: u64, num_vertices: u32, wishes: StateWishes) -> Result<(), RequestError> {
         let StepTime { simulated_s, dt_s } = self.step;
-        let header = StateHeader { frame, simulated_s, dt_s, num_vertices, ..StateHeader::default() };
+        let StateWishes { flags, time_us: repair_deadline_us, progress } = wishes;
+        let header =
+            StateHeader { frame, simulated_s, dt_s, num_vertices, flags, progress, repair_deadline_us, reserved: 0 };
         match self.sample {
             Loaned::F32(sample) => send(sample, header),
             Loaned::F64(sample) => send(sample, header),

@@ -53,6 +53,8 @@ fn send_lie(session: &RawSession, frame: u64, rng: &mut StdRng) -> bool {
         dt_s: if honest { 0.01 } else { wild(rng) },
         num_vertices: if rng.random_bool(0.7) { 3 } else { rng.random() },
         flags: rng.random(),
+        progress: rng.random(),
+        repair_deadline_us: rng.random(),
         reserved: rng.random(),
     };
     let sample = sample.write_from_fn(|_| PositionF32(std::array::from_fn(|_| wild(rng) as f32)));

@@ -93,6 +93,8 @@ impl Fuzzer {
             dt_s: if rng.random_bool(0.8) { 0.01 } else { f64::from_bits(rng.random()) },
             num_vertices: if rng.random_bool(0.9) { n as u32 } else { rng.random() },
             flags: rng.random(),
+            progress: rng.random(),
+            repair_deadline_us: rng.random(),
             reserved: rng.random(),
         };
         let accepted = if rng.random() {

@@ -1,7 +1,11 @@
 //! A correction: daemon to host, one for each state that the daemon looked at.
 
+pub mod sparse;
+
 use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+pub use sparse::{VertexEntry, VertexLabel};
 
 /// Flags of a vertex.
 pub mod flags {
@@ -74,6 +78,9 @@ pub mod stage {
 /// Flag in [`CorrectionHeader::flags`]: a limit ended the work, of time or of intersections. With status 0 the
 /// correction is the best so far; with another one nothing is known of the frame.
 pub const TRUNCATED: u32 = 1;
+/// Flag in [`CorrectionHeader::flags`]: a repair of the frame is going to come, since its state or the settings asked
+/// for it. Only for sessions with a repair service.
+pub const REPAIRING: u32 = 1 << 1;
 /// [`CorrectionHeader::fault_index`] where no element is at fault.
 pub const NO_FAULT: u64 = u64::MAX;
 
@@ -92,7 +99,7 @@ pub struct CorrectionHeader {
     pub status: u32,
     /// [`CorrectionKind`](crate::CorrectionKind) of the values.
     pub kind: u32,
-    /// [`TRUNCATED`] or 0.
+    /// [`TRUNCATED`], [`REPAIRING`].
     pub flags: u32,
     /// Number of vertices.
     pub num_vertices: u32,
@@ -126,8 +133,13 @@ pub struct CorrectionHeader {
     pub num_pairs_left_out: u64,
     /// With [`TRUNCATED`]: their length in the world in metres.
     pub length_left_out_m: f64,
-    /// Zero.
-    pub reserved: [u64; 3],
+    /// Number of [`VertexEntry`] in the payload of a sparse correction; 0 in a dense one.
+    pub num_values: u32,
+    /// Number of [`VertexLabel`] behind them; 0 where no labels were asked for.
+    pub num_labels: u32,
+    /// With the setting `repair` = `auto`: what the daemon knows of the progress of the host's motion, which the host
+    /// sends back with its next state of the same motion. Zero otherwise.
+    pub progress: [u64; 2],
 }
 
 /// Correction of one vertex.

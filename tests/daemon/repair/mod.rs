@@ -1,0 +1,6 @@
+//! Repairs: a certified answer in one exchange, beside the frames of all sessions.
+
+mod auto;
+mod cloth;
+mod exchange;
+mod side_by_side;
