@@ -3,8 +3,8 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin response_table -- [--steps N] [--seeds N] [--edge METRES] [--only METHOD]
-//! [--rings N] [--lag N] [--verbose] [--markdown] [FILE...] cargo run --release -p untangled-lab --bin response_table -- --markdown >
-//! docs/results/response.md
+//!     [--rings N] [--lag N] [--verbose] [--markdown] [FILE...]
+//! cargo run --release -p untangled-lab --bin response_table -- --markdown > docs/results/response.md
 //! ```
 //!
 //! The host is the simulator of `clients/publisher`, whose contact keeps each vertex on its side, right or wrong; the

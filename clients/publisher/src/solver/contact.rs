@@ -1,8 +1,8 @@
 //! Self-contact: vertices stay off triangles, and edges off edges.
 //!
 //! Each step takes the side of a pair from the positions at its start, without any memory, so contact preserves a
-//! tangle as well. That is why a host needs labels: contacts between the two sides of one tangle are left out; or, where
-//! it can't use them, the mask: all contacts of a masked vertex are.
+//! tangle as well. That is why a host needs labels: contacts between the two sides of one tangle are left out. Where it
+//! can't use them, it needs the mask: all contacts of a masked vertex are left out.
 
 use rayon::prelude::*;
 use untangled_client::ContactFilter;

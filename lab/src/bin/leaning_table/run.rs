@@ -81,8 +81,10 @@ pub(crate) fn run(
     let parameters = parameters(&cloth, edge_m);
     let mut solver = Solver::new(cloth, parameters);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Rest)?);
-    let path_rings = if let Off::Mask(rings) = help.off { rings } else { 2 };
-    let settings = Settings { response: help.response, path_rings, ..Settings::default() };
+    let mut settings = Settings { response: help.response, ..Settings::default() };
+    if let Off::Mask(rings) = help.off {
+        settings.path_rings = rings;
+    }
     let mut untangler = Untangler::new(mesh, settings)?;
     untangler.set_labelled(help.off == Off::Labels);
     let (mut run, mut taken) = (Run::default(), Taken::default());
