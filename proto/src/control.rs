@@ -82,6 +82,9 @@ pub struct Hello {
     pub iceoryx2_version: String,
     /// Its process.
     pub pid: u32,
+    /// Names of the [`SessionOptions`] that it knows; none from a daemon that is older than they.
+    #[serde(default)]
+    pub features: Vec<String>,
 }
 
 /// The part of a registration that has a fixed size: section [`id::PARAMS`](crate::sections::id::PARAMS),
@@ -121,6 +124,57 @@ impl RegisterParams {
             correction: u32::from_le_bytes(word(12)),
             reserved: [0; 2],
         })
+    }
+}
+
+/// What a session asks for beyond what protocol 1 began with: section
+/// [`id::OPTIONS`](crate::sections::id::OPTIONS). A daemon refuses bits that it does not know.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct SessionOptions(u32);
+
+impl SessionOptions {
+    /// Corrections list only the vertices that have a value or a flag other than pinned.
+    pub const SPARSE: Self = Self(1);
+    /// Sparse corrections with labels: see [`VertexLabel`](crate::VertexLabel).
+    pub const LABELS: Self = Self(2);
+    /// Each option with its name among the features of a [`Hello`].
+    pub const NAMES: [(&str, Self); 2] = [("sparse", Self::SPARSE), ("labels", Self::LABELS)];
+
+    /// The options of a value on the wire; nothing where it has bits that are not known.
+    #[must_use]
+    pub fn from_bits(bits: u32) -> Option<Self> {
+        let known = Self::NAMES.iter().fold(0, |bits, (_, option)| bits | option.0);
+        (bits & !known == 0).then_some(Self(bits))
+    }
+
+    /// The value on the wire.
+    #[must_use]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// These options and those of `other`.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether all options of `other` are among these.
+    #[must_use]
+    pub fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether corrections are sparse. Labels come with sparse corrections only.
+    #[must_use]
+    pub fn is_sparse(self) -> bool {
+        self.contains(Self::SPARSE) || self.has_labels()
+    }
+
+    /// Whether corrections have labels.
+    #[must_use]
+    pub fn has_labels(self) -> bool {
+        self.contains(Self::LABELS)
     }
 }
 

@@ -21,8 +21,8 @@ pub mod sections;
 pub mod state;
 pub mod status;
 
-pub use control::{CorrectionKind, Precision, RegisterParams, ReplyHeader, RequestHeader, RequestKind};
-pub use correction::{CorrectionHeader, VertexCorrection, flags, pair_type};
+pub use control::{CorrectionKind, Precision, RegisterParams, ReplyHeader, RequestHeader, RequestKind, SessionOptions};
+pub use correction::{CorrectionHeader, VertexCorrection, VertexEntry, VertexLabel, flags, pair_type};
 pub use memory::PayloadLayout;
 pub use state::{PositionF32, PositionF64, StateHeader};
 pub use status::Status;

@@ -5,8 +5,8 @@
 //! formulas with segments as they are made.
 
 use crate::{
-    control::{Precision, ReplyHeader, RequestHeader},
-    correction::{CorrectionHeader, VertexCorrection},
+    control::{Precision, ReplyHeader, RequestHeader, SessionOptions},
+    correction::{CorrectionHeader, VertexCorrection, sparse},
     limits::{CORRECTION_BORROWED, CORRECTION_BUFFER, STATE_BORROWED, STATE_BUFFER},
     paths::PathsHeader,
     state::{PositionF32, PositionF64, StateHeader},
@@ -98,18 +98,31 @@ pub fn state_segment_bytes(num_vertices: usize, precision: Precision, layout: Pa
     sample.segment(num_vertices, layout, STATE_SAMPLES)
 }
 
-/// Shared memory of a session's correction publisher in bytes.
+/// Words of the longest sparse correction: an entry for each vertex and, where labels are asked for, as many labels.
+/// A correction with fewer entries has room for more labels.
 #[must_use]
-pub fn correction_segment_bytes(num_vertices: usize, layout: PayloadLayout) -> u64 {
+pub fn sparse_words(num_vertices: usize, options: SessionOptions) -> usize {
+    let label = if options.has_labels() { sparse::LABEL_WORDS } else { 0 };
+    num_vertices.saturating_mul(sparse::ENTRY_WORDS + label)
+}
+
+/// Shared memory of a session's correction publisher in bytes. Sparse corrections are packed in every layout: no client
+/// of release 0.1 asks for them.
+#[must_use]
+pub fn correction_segment_bytes(num_vertices: usize, layout: PayloadLayout, options: SessionOptions) -> u64 {
+    if options.is_sparse() {
+        let sample = Sample::new::<u32, CorrectionHeader>(SAMPLE_HEADER);
+        return sample.segment(sparse_words(num_vertices, options), PayloadLayout::Packed, CORRECTION_SAMPLES);
+    }
     let sample = Sample::new::<VertexCorrection, CorrectionHeader>(SAMPLE_HEADER);
     sample.segment(num_vertices, layout, CORRECTION_SAMPLES)
 }
 
 /// Shared memory of a session in bytes, both sides together, without its request and its paths.
 #[must_use]
-pub fn session_bytes(num_vertices: usize, precision: Precision, layout: PayloadLayout) -> u64 {
+pub fn session_bytes(num_vertices: usize, precision: Precision, layout: PayloadLayout, options: SessionOptions) -> u64 {
     state_segment_bytes(num_vertices, precision, layout)
-        .saturating_add(correction_segment_bytes(num_vertices, layout))
+        .saturating_add(correction_segment_bytes(num_vertices, layout, options))
         .saturating_add(SESSION_OVERHEAD)
 }
 

@@ -26,8 +26,10 @@ pub const EVENT_MAX: usize = 7;
 pub enum SessionService {
     /// Positions, host to daemon.
     State,
-    /// Corrections, daemon to host.
+    /// Corrections of all vertices, daemon to host.
     Correction,
+    /// Corrections of the vertices that have one, daemon to host; in place of the above where it was asked for.
+    Sparse,
     /// Event service that wakes the host.
     Event,
     /// Intersection paths, daemon to each subscriber.
@@ -40,6 +42,7 @@ pub fn session(instance: u64, session: u64, service: SessionService) -> String {
     let last = match service {
         SessionService::State => "state",
         SessionService::Correction => "correction",
+        SessionService::Sparse => "sparse",
         SessionService::Event => "event",
         SessionService::Paths => "paths",
     };

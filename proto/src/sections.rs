@@ -27,6 +27,8 @@ pub mod id {
     pub const LAYERS: u32 = 8;
     /// Settings: a JSON object of the names in `untangled config`; names left out keep the daemon's defaults.
     pub const SETTINGS: u32 = 9;
+    /// Bits of [`SessionOptions`](crate::SessionOptions), one `u32`; all zero where the section is not there.
+    pub const OPTIONS: u32 = 10;
 }
 
 const ENTRY_BYTES: usize = 24;

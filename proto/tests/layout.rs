@@ -5,7 +5,7 @@ use std::mem::{align_of, offset_of, size_of};
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use untangled_proto::{
     CorrectionHeader, CorrectionKind, PositionF32, PositionF64, Precision, RegisterParams, ReplyHeader, RequestHeader,
-    RequestKind, StateHeader, Status, VertexCorrection, flags, pair_type,
+    RequestKind, SessionOptions, StateHeader, Status, VertexCorrection, VertexEntry, VertexLabel, flags, pair_type,
     paths::{PathPoint, PathRecord, PathsHeader},
 };
 
@@ -33,7 +33,8 @@ fn headers_keep_layout_and_type_name() {
         frame @ 0, simulated_s @ 8, dt_s @ 16, status @ 24, kind @ 28, flags @ 32, num_vertices @ 36, fault_index @ 40,
         fault_value @ 48, num_edge_face_intersections @ 56, num_face_pairs @ 64, contour_length_m @ 72,
         num_inside @ 80, max_displacement_m @ 88, net_force_n @ 96, net_torque_nm @ 120, num_pairs @ 144,
-        stage_ns @ 208, num_skipped_frames @ 272, num_pairs_left_out @ 280, length_left_out_m @ 288, reserved @ 296,
+        stage_ns @ 208, num_skipped_frames @ 272, num_pairs_left_out @ 280, length_left_out_m @ 288,
+        num_values @ 296, num_labels @ 300, progress @ 304,
     });
     pin!(PathsHeader, "untangled.v1.PathsHeader", size 64, align 8, {
         frame @ 0, num_paths @ 8, num_points @ 12, reserved @ 16,
@@ -45,6 +46,29 @@ fn elements_keep_layout_and_type_name() {
     pin!(PositionF32, "untangled.v1.PositionF32", size 12, align 4, {});
     pin!(PositionF64, "untangled.v1.PositionF64", size 24, align 8, {});
     pin!(VertexCorrection, "untangled.v1.VertexCorrection", size 16, align 4, { value @ 0, flags @ 12 });
+}
+
+#[test]
+fn sparse_elements_keep_layout() {
+    assert_eq!((size_of::<VertexEntry>(), align_of::<VertexEntry>()), (20, 4));
+    assert_eq!([offset_of!(VertexEntry, vertex), offset_of!(VertexEntry, value)], [0, 4]);
+    assert_eq!(offset_of!(VertexEntry, flags), 16);
+    assert_eq!((size_of::<VertexLabel>(), align_of::<VertexLabel>()), (8, 4));
+    assert_eq!([offset_of!(VertexLabel, vertex), offset_of!(VertexLabel, label)], [0, 4]);
+    let entry = VertexEntry { vertex: 7, value: [1.0, -2.0, 0.5], flags: 3 };
+    assert_eq!(entry.to_words(), [7, 0x3f80_0000, 0xc000_0000, 0x3f00_0000, 3]);
+}
+
+#[test]
+fn options_keep_their_bits_and_unknown_bits_are_none() {
+    assert_eq!([SessionOptions::SPARSE, SessionOptions::LABELS].map(SessionOptions::bits), [1, 2]);
+    for bits in 0..4 {
+        let options = SessionOptions::from_bits(bits).unwrap();
+        assert_eq!((options.bits(), options.is_sparse(), options.has_labels()), (bits, bits != 0, bits & 2 != 0));
+    }
+    for unknown in [8, 1 << 31, 9] {
+        assert_eq!(SessionOptions::from_bits(unknown), None, "{unknown}");
+    }
 }
 
 #[test]

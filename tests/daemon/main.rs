@@ -9,4 +9,5 @@ mod protocol_v1;
 mod refusals;
 mod restarts;
 mod sessions;
+mod sparse;
 mod timing;

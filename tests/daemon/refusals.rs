@@ -63,6 +63,7 @@ fn client_given_a_reply_to_another_request_ignores_it() {
             library_version: LIBRARY_VERSION.to_owned(),
             iceoryx2_version: ICEORYX2_VERSION.to_owned(),
             pid,
+            features: Vec::new(),
         };
         let text = serde_json::to_string(&hello).unwrap();
         let mut reply = request.loan_slice_uninit(text.len()).unwrap();

@@ -7,7 +7,7 @@ use client::{CorrectionKind, Precision, Registration, Uvs};
 use crate::{
     error::{ErrorCode, Fault, guard},
     input,
-    types::{Kind, PositionPrecision},
+    types::{Kind, PositionPrecision, UNTANGLED_LABELS, UNTANGLED_SPARSE},
 };
 
 /// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles`
@@ -46,8 +46,8 @@ pub struct ClothRegistration {
     pub correction: u32,
     /// 1 to receive intersection paths with each correction, else 0.
     pub paths: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Sum of `UNTANGLED_SPARSE` and so on; 0 for none.
+    pub options: u32,
     /// Settings by name as a JSON object, as in `untangled config`; null for the daemon's defaults.
     pub settings_json: *const c_char,
 }
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn untangled_registration_init(registration: *mut ClothReg
             precision: PositionPrecision::F32 as u32,
             correction: Kind::Displacement as u32,
             paths: 0,
-            reserved: 0,
+            options: 0,
             settings_json: std::ptr::null(),
         });
         Ok(())
@@ -117,12 +117,18 @@ impl ClothRegistration {
             layers: layers.map(<[u32]>::to_vec),
             precision: precision(self.precision)?,
             correction: correction(self.correction)?,
+            sparse: self.options & UNTANGLED_SPARSE != 0,
+            labels: self.options & UNTANGLED_LABELS != 0,
             paths: flag("paths", self.paths)?,
             settings: settings.map_or(Ok(serde_json::Value::Null), parse)?,
         })
     }
 
     fn check_sizes(&self) -> Result<(), Fault> {
+        if self.options & !(UNTANGLED_SPARSE | UNTANGLED_LABELS) != 0 {
+            let options = self.options;
+            return Err(Fault::argument(format_args!("`options` is {options}, with bits that are not known")));
+        }
         if self.struct_size != size_of::<Self>() {
             let (given, expected) = (self.struct_size, size_of::<Self>());
             return Err(Fault::argument(format_args!(

@@ -53,6 +53,14 @@ pub const UNTANGLED_PINNED: u32 = 8;
 /// Where the host's self-collision has to be off, or it defends the tangle: inside or near a path.
 pub const UNTANGLED_MASK: u32 = 3;
 
+/// Option of a registration: corrections list only the vertices that have a value or a flag, see `untangled_entries`.
+/// `vertices` of a correction holds all of them even so, at the cost of these entries. A daemon that is too old sends
+/// all vertices.
+pub const UNTANGLED_SPARSE: u32 = 1;
+/// Option of a registration: corrections have labels, which say of single contacts whether they have to be off, see
+/// `untangled_contacts_set`. Makes them sparse as well. A daemon that is too old sends none.
+pub const UNTANGLED_LABELS: u32 = 2;
+
 /// Value and flags of a vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -34,11 +34,12 @@ struct Open {
 
 #[pymethods]
 impl NativeSession {
-    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64. `forms` says whether corrections shall
+    /// be sparse, and whether they shall have labels.
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, settings
+        paths, forms, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -56,6 +57,7 @@ impl NativeSession {
         double: bool,
         kind: &str,
         paths: bool,
+        forms: (bool, bool),
         settings: &str,
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
@@ -77,6 +79,8 @@ impl NativeSession {
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
+            sparse: forms.0,
+            labels: forms.1,
             paths,
             settings: parse(settings)?,
         };

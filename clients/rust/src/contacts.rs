@@ -1,12 +1,15 @@
 //! Which contacts of the host's own have to be off while a tangle comes apart.
 
+use untangled_proto::VertexLabel;
+
 /// Decides by the labels of a correction which contacts are off: those between the two sides of one pair of paths, and
 /// no others.
 ///
 /// A label is `4 * pair + side`, with side 1 for the first sheet of the pair, 2 for the second, 3 for both. A contact
 /// has two ends: a vertex and a face, or two edges. An end holds the labels of all its vertices: a face that reaches
 /// across the rim of what is labelled would otherwise hold back a vertex that has to pass. The contact is off where
-/// both ends hold labels of one pair whose sides, or-ed, give 3.
+/// both ends hold labels of one pair whose sides, or-ed, give 3. The label [`VertexLabel::ANY`] of a vertex that
+/// belongs to more pairs than fit a message is of both sides of every pair.
 ///
 /// Plain data: it knows no session, and is filled from the labels of a correction or of the library. Cost: a contact
 /// whose vertex, or one of whose edges, has no label takes one or two look-ups, and most have none; the memory is one
@@ -127,7 +130,7 @@ impl ContactFilter {
 
 /// Whether two labels are of one pair, and of both its sides.
 fn is_opposite(a: u32, b: u32) -> bool {
-    a >> 2 == b >> 2 && (a | b) & 3 == 3
+    a >> 2 == b >> 2 && (a | b) & 3 == 3 || a == VertexLabel::ANY || b == VertexLabel::ANY
 }
 
 #[cfg(test)]
@@ -148,6 +151,9 @@ mod tests {
         assert!(!off(0, 2) && !off(2, 0), "another pair");
         assert!(!off(7, 1) && !off(0, 7), "no label");
         assert!(off(3, 3), "a path that is its own partner");
+        filter.set([(0, label(2, 1)), (1, VertexLabel::ANY), (4, VertexLabel::ANY)]);
+        let off = |vertex, corner| filter.vertex_face_is_off(vertex, [8, corner, 9]);
+        assert!(off(0, 1) && off(1, 0) && off(1, 4) && !off(1, 7) && !off(7, 4), "more labels than fit");
         assert!(filter.edge_edge_is_off([9, 0], [1, 9]) && !filter.edge_edge_is_off([9, 0], [3, 9]));
     }
 

@@ -47,7 +47,7 @@ pub use error::{
 pub use registration::{Registration, Uvs};
 pub use session::{Correction, Loan, LoanMemory, Paths, Session, StepTime};
 pub use untangled_proto::{
-    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, flags, pair_type,
+    CorrectionHeader, CorrectionKind, Precision, Status, VertexCorrection, VertexEntry, VertexLabel, flags, pair_type,
     paths::{PathPoint, PathRecord, path_type},
 };
 

@@ -1,7 +1,7 @@
 //! A registration: what a host tells the daemon about its cloth, once.
 
 use untangled_proto::{
-    CorrectionKind, PayloadLayout, Precision, RegisterParams, memory,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, SessionOptions, memory,
     sections::{SectionWriter, id},
 };
 
@@ -26,6 +26,13 @@ pub struct Registration {
     pub precision: Precision,
     /// The unit of corrections.
     pub correction: CorrectionKind,
+    /// Whether corrections shall list only the vertices that have a value or a flag: an untangled frame then costs
+    /// nothing for each vertex. A daemon that is too old sends all vertices: see
+    /// [`Session::is_sparse`](crate::Session::is_sparse). [`Correction`](crate::Correction) reads the same either way.
+    pub sparse: bool,
+    /// Whether corrections shall have labels, which say of single contacts whether they have to be off. Makes them
+    /// sparse as well; see [`Session::has_labels`](crate::Session::has_labels).
+    pub labels: bool,
     /// Whether corrections shall bring the intersection paths of their frame, for pictures and statistics.
     pub paths: bool,
     /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
@@ -70,7 +77,18 @@ impl Registration {
         if let Some(settings) = settings_bytes(&self.settings) {
             writer.bytes(id::SETTINGS, settings);
         }
+        let options = self.options();
+        if options != SessionOptions::default() {
+            writer.u32s(id::OPTIONS, &[[options.bits()]]);
+        }
         writer.finish()
+    }
+
+    /// What the session asks for beyond what protocol 1 began with.
+    pub(crate) fn options(&self) -> SessionOptions {
+        let asked = [(self.sparse, SessionOptions::SPARSE), (self.labels, SessionOptions::LABELS)];
+        let asked = asked.into_iter().filter(|(is_asked, _)| *is_asked);
+        asked.fold(SessionOptions::default(), |options, (_, option)| options.with(option))
     }
 
     /// Shared memory that the host's side of the session takes.

@@ -6,10 +6,12 @@
 use iceoryx2::{
     config::Config,
     node::{NodeCreationFailure, NodeListFailure},
-    prelude::{CallbackProgression, Node, NodeBuilder, NodeState, PortFactory, SignalHandlingMode},
+    prelude::{CallbackProgression, Node, NodeBuilder, NodeState, PortFactory, SignalHandlingMode, ZeroCopySend},
+    service::port_factory::publish_subscribe,
 };
+use untangled_proto::CorrectionHeader;
 
-use crate::services::{CorrectionService, Ipc};
+use crate::services::Ipc;
 
 /// Creates the node of this process.
 ///
@@ -44,7 +46,9 @@ pub fn living(config: &Config) -> Result<Vec<u128>, NodeListFailure> {
 ///
 /// Cost: some system calls.
 #[must_use]
-pub fn has_dead_user(service: &CorrectionService) -> bool {
+pub fn has_dead_user<E: std::fmt::Debug + ZeroCopySend>(
+    service: &publish_subscribe::PortFactory<Ipc, [E], CorrectionHeader>,
+) -> bool {
     let mut dead = false;
     let _ = service.nodes(|node| {
         dead |= matches!(node, NodeState::Dead(_));

@@ -33,6 +33,8 @@ pub type Requests = port_factory::request_response::PortFactory<Ipc, [u8], Reque
 pub type States<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], StateHeader>;
 /// A correction service.
 pub type CorrectionService = port_factory::publish_subscribe::PortFactory<Ipc, [VertexCorrection], CorrectionHeader>;
+/// A service of sparse corrections.
+pub type SparseService = port_factory::publish_subscribe::PortFactory<Ipc, [u32], CorrectionHeader>;
 /// A paths service.
 pub type PathsService = port_factory::publish_subscribe::PortFactory<Ipc, [u8], PathsHeader>;
 /// An event service.
@@ -220,8 +222,43 @@ pub fn create_corrections(
     name: &str,
     layout: PayloadLayout,
 ) -> Result<CorrectionService, PublishSubscribeCreateError> {
+    create_frames(node, name, layout)
+}
+
+/// Opens a correction service.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
+    open_frames(node, name)
+}
+
+/// Creates a service of sparse corrections, which are packed.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn create_sparse_corrections(node: &Node<Ipc>, name: &str) -> Result<SparseService, PublishSubscribeCreateError> {
+    create_frames(node, name, PayloadLayout::Packed)
+}
+
+/// Opens a service of sparse corrections.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn open_sparse_corrections(node: &Node<Ipc>, name: &str) -> Result<SparseService, PublishSubscribeOpenError> {
+    open_frames(node, name)
+}
+
+/// A service for one answer to each frame, with the limits of corrections.
+type Frames<E> = port_factory::publish_subscribe::PortFactory<Ipc, [E], CorrectionHeader>;
+
+fn create_frames<E: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+    layout: PayloadLayout,
+) -> Result<Frames<E>, PublishSubscribeCreateError> {
     node.service_builder(&service_name(name))
-        .publish_subscribe::<[VertexCorrection]>()
+        .publish_subscribe::<[E]>()
         .user_header::<CorrectionHeader>()
         .payload_alignment(alignment(layout))
         .max_publishers(1)
@@ -234,15 +271,11 @@ pub fn create_corrections(
         .create()
 }
 
-/// Opens a correction service.
-///
-/// # Errors
-/// The error of iceoryx2.
-pub fn open_corrections(node: &Node<Ipc>, name: &str) -> Result<CorrectionService, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[VertexCorrection]>()
-        .user_header::<CorrectionHeader>()
-        .open()
+fn open_frames<E: std::fmt::Debug + ZeroCopySend + 'static>(
+    node: &Node<Ipc>,
+    name: &str,
+) -> Result<Frames<E>, PublishSubscribeOpenError> {
+    node.service_builder(&service_name(name)).publish_subscribe::<[E]>().user_header::<CorrectionHeader>().open()
 }
 
 /// Creates a paths service.

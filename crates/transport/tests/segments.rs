@@ -8,10 +8,10 @@ use iceoryx2::{
     service::header::{publish_subscribe, request_response},
 };
 use untangled_proto::{
-    PayloadLayout, PositionF32, PositionF64, Precision,
+    PayloadLayout, PositionF32, PositionF64, Precision, SessionOptions,
     memory::{
         REQUEST_SAMPLES, correction_segment_bytes, paths_sample_bytes, reply_sample_bytes, request_segment_bytes,
-        session_bytes, state_segment_bytes,
+        session_bytes, sparse_words, state_segment_bytes,
     },
 };
 use untangled_transport::{
@@ -93,7 +93,25 @@ fn segments_of_states_and_corrections_are_what_the_formulas_say() {
             let service = services::create_corrections(&place.node, &name("correction"), layout).unwrap();
             let port = service.publisher_builder().initial_max_slice_len(num_vertices).max_loaned_samples(1).create();
             let made = place.segment(port.unwrap().id().value());
-            assert_close(correction_segment_bytes(num_vertices, layout), made, &what);
+            assert_close(correction_segment_bytes(num_vertices, layout, SessionOptions::default()), made, &what);
+        }
+    }
+}
+
+#[test]
+fn segments_of_sparse_corrections_are_what_the_formula_says() {
+    let place = Place::new("sparse");
+    for options in [SessionOptions::SPARSE, SessionOptions::LABELS] {
+        for num_vertices in [1, 3, 1000, 40_000] {
+            let name = format!("test/sparse/{}/{num_vertices}", options.bits());
+            let service = services::create_sparse_corrections(&place.node, &name).unwrap();
+            let words = sparse_words(num_vertices, options);
+            let port = service.publisher_builder().initial_max_slice_len(words).max_loaned_samples(1).create();
+            let made = place.segment(port.unwrap().id().value());
+            for layout in LAYOUTS {
+                let what = format!("{num_vertices} vertices, {options:?}, {layout:?}");
+                assert_close(correction_segment_bytes(num_vertices, layout, options), made, &what);
+            }
         }
     }
 }
@@ -159,9 +177,12 @@ fn samples_of_replies_and_paths_are_what_the_formulas_say() {
 fn session_of_40000_vertices_fits_a_container() {
     const CONTAINER: u64 = 64 << 20;
     let num_vertices = 40_000;
-    let session = session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed);
+    let session = session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed, SessionOptions::default());
     // Triangles, texture coordinates with indices, rest positions and masses.
     let request = request_segment_bytes(num_vertices * (2 * 12 + 16 + 2 * 12 + 24 + 8), PayloadLayout::Packed);
     assert!(session + request < CONTAINER / 4, "{session} and {request} bytes");
-    assert!(session_bytes(num_vertices, Precision::F32, PayloadLayout::Padded) < CONTAINER / 2, "for a 0.1 client");
+    assert!(
+        session_bytes(num_vertices, Precision::F32, PayloadLayout::Padded, SessionOptions::default()) < CONTAINER / 2,
+        "for a 0.1 client"
+    );
 }

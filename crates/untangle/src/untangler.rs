@@ -82,6 +82,12 @@ impl Untangler {
         self.responder.set_labelled(is_labelled);
     }
 
+    /// Whether [`Corrections`] have labels.
+    #[must_use]
+    pub fn is_labelled(&self) -> bool {
+        self.responder.is_labelled()
+    }
+
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
@@ -91,6 +97,7 @@ impl Untangler {
             observer.begin(Stage::Respond);
             let (found, add) = self.responder.displacement_adder(&self.mesh);
             self.coupled.step(&self.mesh, frame, analysis, found, add);
+            self.responder.list_touched();
             observer.end();
         }
         Outcome {

@@ -199,7 +199,8 @@ feed_fields! {
 
 impl Feed for Corrections {
     fn feed(&self, digest: &mut Digest) {
-        let Self { forces, flags, labels, net_force, net_torque, max_displacement_m, left_out } = self;
+        // Which vertices were touched follows from forces and flags.
+        let Self { forces, flags, touched: _, labels, net_force, net_torque, max_displacement_m, left_out } = self;
         forces.feed(digest);
         flags.feed(digest);
         net_force.feed(digest);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use untangled_proto::{
-    CorrectionKind, PayloadLayout, Precision, RegisterParams, Status, limits, memory,
+    CorrectionKind, PayloadLayout, Precision, RegisterParams, SessionOptions, Status, limits, memory,
     sections::{SectionError, Sections, id},
 };
 use untangled_transport::memory as shared_memory;
@@ -59,8 +59,9 @@ pub fn read(
         let message = "corrections as forces need the mass of each vertex; send masses, or ask for another kind";
         return Err(Refusal::new(Status::MassesRequired, message));
     }
+    let asked = session_options(sections)?;
     let (estimate, limit) =
-        (memory_bytes(num_vertices, num_faces, precision, layout), options.max_session_memory_bytes);
+        (memory_bytes(num_vertices, num_faces, precision, layout, asked), options.max_session_memory_bytes);
     if estimate > limit {
         return Err(Refusal::new(
             Status::TooLarge,
@@ -72,10 +73,24 @@ pub fn read(
             ),
         ));
     }
-    check_memory(memory::session_bytes(num_vertices, precision, layout), reserved_bytes)?;
+    check_memory(memory::session_bytes(num_vertices, precision, layout, asked), reserved_bytes)?;
     let settings = settings(sections, options)?;
     let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
-    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout })
+    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout, options: asked })
+}
+
+/// What a session asks for beyond what protocol 1 began with.
+fn session_options(sections: &Sections<'_>) -> Result<SessionOptions, Refusal> {
+    let refused = |message: &dyn std::fmt::Display| Err(Refusal::new(Status::BadRequest, message));
+    let bits = match sections.u32s::<1>(id::OPTIONS).map_err(|error| Refusal::new(Status::BadRequest, error))? {
+        None => 0,
+        Some(bits) => match bits[..] {
+            [[bits]] => bits,
+            _ => return refused(&"section 10 (options) must have 4 bytes"),
+        },
+    };
+    SessionOptions::from_bits(bits)
+        .map_or_else(|| refused(&format_args!("options {bits} have bits that are not known")), Ok)
 }
 
 /// The settings of a request, merged over the daemon's own.

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude::EventId};
 use untangled_proto::{
-    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, Status,
+    ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, SessionOptions,
+    Status,
     control::Hello,
     memory::{PayloadLayout, reply_sample_bytes},
     names,
@@ -73,6 +74,7 @@ impl Replier {
                 library_version: LIBRARY_VERSION.to_owned(),
                 iceoryx2_version: ICEORYX2_VERSION.to_owned(),
                 pid: std::process::id(),
+                features: SessionOptions::NAMES.iter().map(|(name, _)| (*name).to_owned()).collect(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
             RequestKind::Register => self.open_session(header, request, layout),

@@ -40,7 +40,7 @@ use super::{
 };
 pub use estimate::memory_bytes;
 use paths::PathsPort;
-use ports::{CorrectionPort, StatePort};
+use ports::{CorrectionPort, PortOptions, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
 use work::Work;
@@ -91,11 +91,14 @@ impl Session {
         totals: Arc<Totals>,
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
-        let Registered { mesh, settings, precision, correction, layout } = registered;
-        let untangler =
+        let Registered { mesh, settings, precision, correction, layout, options } = registered;
+        let mut untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        untangler.set_labelled(options.has_labels());
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
-        let corrections = CorrectionPort::create(node, domain, instance, id, mesh.num_vertices(), layout)?;
+        let num_vertices = mesh.num_vertices();
+        let port = PortOptions { domain, instance, session: id, num_vertices, layout, options };
+        let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
         let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths);
         Ok(Self {

@@ -6,7 +6,8 @@ use untangled_proto::{
 };
 
 use untangle::{
-    mesh::Mesh,
+    labels::VertexLabel,
+    mesh::{Mesh, VertexId},
     paths::PairType,
     respond::{Corrections, VertexFlags},
     untangler::Outcome,
@@ -48,6 +49,7 @@ pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         num_pairs[pair_index(pair.pair_type)] += 1;
     }
     let left_out = corrections.left_out;
+    let is_inside = |vertex: &VertexId| corrections.flags[vertex.index()].contains(VertexFlags::INSIDE);
     let per_second2 = 1.0 / (state.dt_s * state.dt_s);
     CorrectionHeader {
         frame: state.frame,
@@ -61,7 +63,7 @@ pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,
         num_face_pairs: analysis.intersections.segments.len() as u64,
         contour_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
-        num_inside: corrections.flags.iter().filter(|flags| flags.contains(VertexFlags::INSIDE)).count() as u64,
+        num_inside: corrections.touched.iter().filter(|vertex| is_inside(vertex)).count() as u64,
         max_displacement_m: corrections.max_displacement_m,
         net_force_n: (corrections.net_force * per_second2).into(),
         net_torque_nm: (corrections.net_torque * per_second2).into(),
@@ -69,6 +71,38 @@ pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         num_pairs_left_out: left_out.num_pairs as u64,
         length_left_out_m: left_out.length_m,
         ..CorrectionHeader::default()
+    }
+}
+
+/// What a correction says of the vertices of a frame whose step is `dt_s` seconds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Values<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) corrections: &'a Corrections,
+    pub(crate) kind: CorrectionKind,
+    pub(crate) dt_s: f64,
+}
+
+impl<'a> Values<'a> {
+    /// The vertices that may have a value or a flag other than pinned, ascending.
+    pub(crate) fn touched(&self) -> impl ExactSizeIterator<Item = VertexId> + 'a {
+        self.corrections.touched.iter().copied()
+    }
+
+    /// What is said of a vertex.
+    pub(crate) fn vertex(&self, index: usize) -> VertexCorrection {
+        vertex(self.mesh, self.corrections, self.kind, self.dt_s, index)
+    }
+
+    /// What is said of a vertex that is not touched.
+    pub(crate) fn rest(&self, index: usize) -> VertexCorrection {
+        let is_pinned = self.mesh.is_pinned(VertexId::from_index(index));
+        VertexCorrection { value: [0.0; 3], flags: if is_pinned { flags::PINNED } else { 0 } }
+    }
+
+    /// Labels, ascending by vertex.
+    pub(crate) fn labels(&self) -> &'a [VertexLabel] {
+        &self.corrections.labels
     }
 }
 

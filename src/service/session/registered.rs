@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use untangle::{mesh::Mesh, settings::Settings};
-use untangled_proto::{CorrectionKind, PayloadLayout, Precision};
+use untangled_proto::{CorrectionKind, PayloadLayout, Precision, SessionOptions};
 
 /// The content of a registration, validated.
 #[derive(Debug)]
@@ -18,4 +18,6 @@ pub struct Registered {
     pub correction: CorrectionKind,
     /// How the samples of the session lie in shared memory.
     pub layout: PayloadLayout,
+    /// What the session asks for besides.
+    pub options: SessionOptions,
 }

@@ -14,7 +14,7 @@ use untangle::{
     untangler::{Outcome, Untangler},
 };
 use untangled_proto::{
-    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    CorrectionHeader, CorrectionKind, StateHeader, Status,
     correction::{NO_FAULT, TRUNCATED, stage},
 };
 
@@ -23,7 +23,7 @@ use super::{
     ingest::{self, StateFault},
     paths::PathsPort,
     ports::{CorrectionPort, StatePort},
-    publish,
+    publish::{self, Values},
 };
 use crate::service::throttle::Throttle;
 
@@ -110,13 +110,13 @@ impl Work {
         if let Ok(outcome) = &outcome {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
-        let sent = match &outcome {
-            Ok(outcome) => port.send(&mut header, clock, record, |index| {
-                publish::vertex(mesh, outcome.corrections, *kind, state.dt_s, index)
-            }),
-            Err(_) => port.send(&mut header, clock, record, |_| VertexCorrection::default()),
-        };
-        if let Err(error) = sent {
+        let values = outcome.as_ref().ok().map(|outcome| Values {
+            mesh,
+            corrections: outcome.corrections,
+            kind: *kind,
+            dt_s: state.dt_s,
+        });
+        if let Err(error) = port.send(&mut header, clock, record, values.as_ref()) {
             static LOST: Throttle = Throttle::new();
             if let Some(num_suppressed) = LOST.admit() {
                 tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
@@ -137,7 +137,8 @@ impl Work {
 
     /// Replaces the untangler after a panic, which may have left its memory inconsistent. Its settings are valid still.
     fn reset(&mut self) {
-        if let Ok(fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+        if let Ok(mut fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+            fresh.set_labelled(self.untangler.is_labelled());
             self.untangler = fresh;
         }
     }

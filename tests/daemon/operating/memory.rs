@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use untangled_client::{RegisterError, RequestError, Status};
-use untangled_proto::{PayloadLayout, Precision, memory};
+use untangled_proto::{PayloadLayout, Precision, SessionOptions, memory};
 use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, serve, sheet};
 
 use super::super::machine::busy;
@@ -19,7 +19,8 @@ fn session_takes_the_shared_memory_that_the_formula_says() {
         let mut session = client.register(cloth).unwrap();
         session.exchange(STEP, PATIENCE, fill_flat).unwrap();
         // Until the request's resources are gone on both sides.
-        let formula = memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed);
+        let formula =
+            memory::session_bytes(num_vertices, Precision::F32, PayloadLayout::Packed, SessionOptions::default());
         let with = settled(&domain);
         drop(session);
         let without = settled(&domain);
@@ -58,8 +59,13 @@ fn daemon_takes_the_memory_of_a_session_that_it_estimates() {
         cloth.exchange(&mut session, PATIENCE).unwrap();
     }
     let taken = daemon.memory() - idle;
-    let estimate =
-        untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, PayloadLayout::Packed);
+    let estimate = untangled::service::session::memory_bytes(
+        num_vertices,
+        num_faces,
+        Precision::F32,
+        PayloadLayout::Packed,
+        SessionOptions::default(),
+    );
     println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
     assert!(taken < estimate && 2 * estimate < 5 * taken, "{taken} bytes taken, {estimate} estimated");
 }

@@ -1,13 +1,17 @@
 //! A correction, read in place in shared memory.
 
-use iceoryx2::sample::Sample;
-use untangled_proto::{CorrectionHeader, Status, VertexCorrection, correction::NO_FAULT, limits};
-use untangled_transport::services::Ipc;
+use std::sync::{Arc, OnceLock};
 
-use super::paths::{Paths, PathsSample};
+use untangled_proto::{
+    CorrectionHeader, Status, VertexCorrection, VertexEntry, VertexLabel, correction::NO_FAULT, flags, limits,
+};
+
+use super::{
+    dense::{DenseView, DenseViews},
+    paths::{Paths, PathsSample},
+    samples::CorrectionSample,
+};
 use crate::error::FrameRefusal;
-
-pub(crate) type CorrectionSample = Sample<Ipc, [VertexCorrection], CorrectionHeader>;
 
 /// The correction of one frame. It stays in shared memory and readable until it is dropped, even if the daemon ends; a
 /// session can hold [`CORRECTION_BORROWED`](untangled_proto::limits::CORRECTION_BORROWED) of them less one.
@@ -16,14 +20,21 @@ pub struct Correction {
     header: CorrectionHeader,
     sample: CorrectionSample,
     paths: Option<PathsSample>,
+    /// All vertices of a sparse correction, once they were asked for.
+    dense: OnceLock<DenseView>,
+    views: Arc<DenseViews>,
 }
 
 impl Correction {
     /// A sample as a correction, if the daemon could use the frame.
-    pub(crate) fn new(sample: CorrectionSample, paths: Option<PathsSample>) -> Result<Self, FrameRefusal> {
-        let header = *sample.user_header();
+    pub(crate) fn new(
+        sample: CorrectionSample,
+        paths: Option<PathsSample>,
+        views: Arc<DenseViews>,
+    ) -> Result<Self, FrameRefusal> {
+        let header = *sample.header();
         if header.status == Status::Ok.code() {
-            return Ok(Self { header, sample, paths });
+            return Ok(Self { header, sample, paths, dense: OnceLock::new(), views });
         }
         Err(FrameRefusal {
             frame: header.frame,
@@ -47,9 +58,49 @@ impl Correction {
     }
 
     /// Value and flags of each vertex, `num_vertices`.
+    ///
+    /// Cost: nothing where the correction came so. Of a sparse one, linear in its entries at the first call, without an
+    /// allocation once the session is warm.
     #[must_use]
     pub fn vertices(&self) -> &[VertexCorrection] {
-        self.sample.payload()
+        match &self.sample {
+            CorrectionSample::Dense(sample) => sample.payload(),
+            CorrectionSample::Sparse(sample) => {
+                self.dense.get_or_init(|| DenseViews::view(&self.views, sample.entries())).vertices()
+            }
+        }
+    }
+
+    /// The vertices that have a value or a flag other than pinned, ascending, however the correction came.
+    ///
+    /// Cost: linear in the entries of a sparse correction, in the vertices of a dense one.
+    pub fn entries(&self) -> impl Iterator<Item = VertexEntry> + '_ {
+        let (dense, sparse) = match &self.sample {
+            CorrectionSample::Dense(sample) => (sample.payload(), &[][..]),
+            CorrectionSample::Sparse(sample) => (&[][..], sample.entries()),
+        };
+        let dense = (0..).zip(dense).filter(|(_, vertex)| is_entry(vertex));
+        let dense = dense.map(|(vertex, &VertexCorrection { value, flags })| VertexEntry { vertex, value, flags });
+        dense.chain(sparse.iter().copied())
+    }
+
+    /// The [`entries`](Self::entries) of a sparse correction, in place; nothing of a dense one.
+    #[must_use]
+    pub fn sparse(&self) -> Option<&[VertexEntry]> {
+        match &self.sample {
+            CorrectionSample::Dense(_) => None,
+            CorrectionSample::Sparse(sample) => Some(sample.entries()),
+        }
+    }
+
+    /// Labels of vertices, ascending: which contacts have to be off. Empty where none were asked for, or where the
+    /// daemon is too old for them: see [`Session::has_labels`](crate::Session::has_labels).
+    #[must_use]
+    pub fn labels(&self) -> &[VertexLabel] {
+        match &self.sample {
+            CorrectionSample::Dense(_) => &[],
+            CorrectionSample::Sparse(sample) => sample.labels(),
+        }
     }
 
     /// The intersection paths of the frame. Nothing where they were not asked for at registration, or where shared
@@ -58,6 +109,10 @@ impl Correction {
     pub fn paths(&self) -> Option<Paths<'_>> {
         self.paths.as_ref().and_then(PathsSample::paths)
     }
+}
+
+fn is_entry(vertex: &VertexCorrection) -> bool {
+    vertex.flags & !flags::PINNED != 0 || vertex.value.iter().any(|value| value.to_bits() != 0)
 }
 
 /// The field of the state's header at fault, which the daemon sends back beside the value.

@@ -3,19 +3,19 @@
 use std::{sync::Arc, time::Instant};
 
 use iceoryx2::{
-    port::{listener::Listener, publisher::Publisher, subscriber::Subscriber},
-    prelude::{Node, PortFactory},
+    port::{listener::Listener, publisher::Publisher},
+    prelude::Node,
 };
 use untangled_proto::{
-    CorrectionHeader, PayloadLayout, PositionF32, PositionF64, Precision, StateHeader, VertexCorrection,
+    PayloadLayout, PositionF32, PositionF64, Precision, StateHeader,
     names::{self, SessionService},
 };
 use untangled_transport::{
-    Domain, node,
-    services::{self, CorrectionService, Ipc, Position},
+    Domain,
+    services::{self, Ipc, Position},
 };
 
-use super::paths::PathsPort;
+use super::{paths::PathsPort, samples::CorrectionPort};
 use crate::{
     control::{Reply, SLICE, check_memory, commit_memory},
     error::RequestError,
@@ -34,13 +34,12 @@ pub(crate) enum StatePort {
 pub(crate) struct Link {
     pub(crate) session: u64,
     pub(crate) states: Arc<StatePort>,
-    pub(crate) corrections: Subscriber<Ipc, [VertexCorrection], CorrectionHeader>,
+    pub(crate) corrections: CorrectionPort,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) paths: Option<PathsPort>,
     pub(crate) opened: Instant,
     /// When the daemon's process was last checked.
     pub(crate) checked: Instant,
-    service: CorrectionService,
 }
 
 impl Link {
@@ -56,12 +55,7 @@ impl Link {
         check_memory(needed)?;
         let session = reply.header.session;
         let name = |service| names::session(reply.header.instance, session, service);
-        let service = services::open_corrections(node, &name(SessionService::Correction))
-            .map_err(|error| RequestError::transport("opening the correction service", &error))?;
-        let corrections = service
-            .subscriber_builder()
-            .create()
-            .map_err(|error| RequestError::transport("creating a subscriber", &error))?;
+        let corrections = CorrectionPort::open(node, name, registration.options())?;
         let listener = services::open_event(node, &name(SessionService::Event))
             .map_err(|error| RequestError::transport("opening the session's event", &error))?
             .listener_builder()
@@ -83,12 +77,12 @@ impl Link {
         commit_memory(domain, port_id, needed)?;
         let states = Arc::new(states);
         let opened = Instant::now();
-        Ok(Self { session, states, corrections, listener, paths, opened, checked: opened, service })
+        Ok(Self { session, states, corrections, listener, paths, opened, checked: opened })
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.
     pub(crate) fn is_closed(&self) -> bool {
-        self.service.dynamic_config().number_of_publishers() == 0
+        !self.corrections.has_publisher()
     }
 
     /// Whether the daemon has closed its side or its process is gone. Asks the system only if nothing has come for a
@@ -100,7 +94,7 @@ impl Link {
     /// Whether the daemon's process is gone. Costs system calls, so it is called only while nothing comes.
     pub(crate) fn is_dead(&mut self) -> bool {
         self.checked = Instant::now();
-        node::has_dead_user(&self.service) || self.is_closed()
+        self.corrections.has_dead_user() || self.is_closed()
     }
 }
 

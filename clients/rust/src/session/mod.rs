@@ -1,10 +1,12 @@
 //! A session: one cloth, its states and its corrections.
 
 mod correction;
+mod dense;
 mod link;
 mod loan;
 mod paths;
 mod reconnect;
+mod samples;
 
 use std::{
     sync::Arc,
@@ -24,10 +26,11 @@ use crate::{
     registration::{Registration, settings_bytes},
 };
 pub use correction::Correction;
-use correction::CorrectionSample;
+use dense::DenseViews;
 pub use loan::{Loan, LoanMemory, StepTime};
 pub use paths::Paths;
 use reconnect::ReconnectingLink;
+use samples::CorrectionSample;
 
 /// One cloth that the daemon knows.
 ///
@@ -39,11 +42,13 @@ use reconnect::ReconnectingLink;
 pub struct Session {
     link: ReconnectingLink,
     frame: u64,
+    dense: Arc<DenseViews>,
 }
 
 impl Session {
     pub(crate) fn open(connection: Arc<Connection>, registration: Registration) -> Result<Self, RegisterError> {
-        Ok(Self { link: ReconnectingLink::open(connection, registration)?, frame: 0 })
+        let dense = Arc::new(DenseViews::new(registration.num_vertices, &registration.pins));
+        Ok(Self { link: ReconnectingLink::open(connection, registration)?, frame: 0, dense })
     }
 
     /// Number of vertices.
@@ -62,6 +67,20 @@ impl Session {
     #[must_use]
     pub fn num_registrations(&self) -> u32 {
         self.link.num_registrations()
+    }
+
+    /// Whether the daemon sends sparse corrections, as asked for at registration: not where it is too old. It may
+    /// change when the session is registered again.
+    #[must_use]
+    pub fn is_sparse(&self) -> bool {
+        self.link.options().is_sparse()
+    }
+
+    /// Whether corrections have labels, as asked for at registration: not where the daemon is too old. It may change
+    /// when the session is registered again.
+    #[must_use]
+    pub fn has_labels(&self) -> bool {
+        self.link.options().has_labels()
     }
 
     /// A deadline for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle, which leaves
@@ -229,7 +248,7 @@ impl Session {
         let mut backoff = Backoff::new();
         loop {
             while let Some(sample) = self.receive().map_err(|reason| WaitError::Receive { reason })? {
-                let newest = sample.user_header().frame;
+                let newest = sample.header().frame;
                 if newest == frame {
                     return Ok(self.correction(sample)?);
                 }
@@ -248,7 +267,7 @@ impl Session {
         }
     }
 
-    /// The next correction that has come, of any frame; one of the wrong length is dropped.
+    /// The next correction that has come, of any frame; one whose lengths or vertices are wrong is dropped.
     fn receive(&mut self) -> Result<Option<CorrectionSample>, String> {
         let num_vertices = self.link.num_vertices();
         let Some(link) = self.link.current() else { return Ok(None) };
@@ -257,7 +276,7 @@ impl Session {
                 return Ok(None);
             };
             link.checked = Instant::now();
-            if sample.payload().len() == num_vertices {
+            if sample.is_whole(num_vertices) {
                 return Ok(Some(sample));
             }
         }
@@ -265,9 +284,9 @@ impl Session {
 
     /// A sample with the paths of its frame.
     fn correction(&mut self, sample: CorrectionSample) -> Result<Correction, FrameRefusal> {
-        let frame = sample.user_header().frame;
+        let frame = sample.header().frame;
         let link = self.link.current();
         let paths = link.and_then(|link| link.paths.as_mut()).and_then(|port| port.take(frame));
-        Correction::new(sample, paths)
+        Correction::new(sample, paths, Arc::clone(&self.dense))
     }
 }

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use untangled_proto::{RequestKind, names};
+use untangled_proto::{RequestKind, SessionOptions, names};
 
 use super::link::Link;
 use crate::{
@@ -27,6 +27,7 @@ pub(crate) struct ReconnectingLink {
     // Dropped first: the daemon must see the ports gone before it is woken.
     state: State,
     registration: Registration,
+    options: SessionOptions,
     num_registrations: u32,
     connection: Arc<Connection>,
 }
@@ -60,7 +61,8 @@ impl ReconnectingLink {
                 Err(error) => return Err(error.into()),
             }
         };
-        Ok(Self { state: State::Live(Box::new(link)), registration, num_registrations: 1, connection })
+        let options = link.corrections.options();
+        Ok(Self { state: State::Live(Box::new(link)), registration, options, num_registrations: 1, connection })
     }
 
     pub(crate) fn connection(&self) -> &Connection {
@@ -73,6 +75,11 @@ impl ReconnectingLink {
 
     pub(crate) fn num_faces(&self) -> usize {
         self.registration.triangles.len()
+    }
+
+    /// What the last link has of what was asked for.
+    pub(crate) fn options(&self) -> SessionOptions {
+        self.options
     }
 
     /// How often this was registered.
@@ -168,7 +175,11 @@ impl ReconnectingLink {
         match link {
             // That daemon is gone as well.
             Err(RequestError::Transport { .. }) => return Ok(()),
-            link => self.state = State::Live(Box::new(link?)),
+            link => {
+                let link = link?;
+                self.options = link.corrections.options();
+                self.state = State::Live(Box::new(link));
+            }
         }
         self.num_registrations += 1;
         tracing::info!(num_registrations = self.num_registrations, "the session is registered again");

@@ -78,10 +78,11 @@ impl Displacements {
             let WeightedSum { sum, weight } = self.sums.get(vertex).unwrap_or_default();
             if weight > 0.0 {
                 let mass = mass_kg(mesh, vertex);
-                let force = &mut corrections.forces[vertex.index()];
+                let force = corrections.force_mut(vertex);
                 *force += sum * (mass / weight);
+                let size = force.norm();
                 if mass > 0.0 {
-                    corrections.max_displacement_m = corrections.max_displacement_m.max(force.norm() / mass);
+                    corrections.max_displacement_m = corrections.max_displacement_m.max(size / mass);
                 }
             }
         }

@@ -1,33 +1,29 @@
-//! Flags of vertices for the host: inside, near a path, pinned.
+//! Flags of vertices for the host: inside, near a path.
 
 use crate::{
     analysis::Analysis,
     mesh::{Mesh, VertexId},
-    respond::VertexFlags,
+    respond::{Corrections, VertexFlags},
 };
 
-/// Sets the flags of all vertices; `flags` holds one, unset, for each. Near a path is the k-ring, `k = rings`, of the
-/// faces that intersect. `front` is scratch.
+/// Sets the flags of vertices inside and near a path in corrections that are as after a reset. Near a path is the
+/// k-ring, `k = rings`, of the faces that intersect. `front` is scratch.
 ///
-/// Cost: linear in the regions and the flagged vertices, and one pass over all vertices where some are pinned.
+/// Cost: linear in the regions and the flagged vertices.
 pub(crate) fn set_flags(
     mesh: &Mesh,
     analysis: &Analysis,
     rings: u32,
-    flags: &mut [VertexFlags],
+    corrections: &mut Corrections,
     front: &mut Vec<VertexId>,
 ) {
-    for vertex in mesh.vertex_ids().filter(|&vertex| mesh.is_pinned(vertex)) {
-        flags[vertex.index()].insert(VertexFlags::PINNED);
-    }
     for &vertex in &analysis.regions.vertices {
-        flags[vertex.index()].insert(VertexFlags::INSIDE);
+        corrections.flag(vertex, VertexFlags::INSIDE);
     }
     front.clear();
     let mut reach = |vertex: VertexId, front: &mut Vec<VertexId>| {
-        let flags = &mut flags[vertex.index()];
-        if !flags.contains(VertexFlags::NEAR_PATH) {
-            flags.insert(VertexFlags::NEAR_PATH);
+        if !corrections.flags[vertex.index()].contains(VertexFlags::NEAR_PATH) {
+            corrections.flag(vertex, VertexFlags::NEAR_PATH);
             front.push(vertex);
         }
     };

@@ -107,9 +107,9 @@ impl Forces {
             let size = force.norm();
             if size > largest {
                 force *= largest / size;
-                corrections.flags[vertex.index()].insert(VertexFlags::CLAMPED);
+                corrections.flag(vertex, VertexFlags::CLAMPED);
             }
-            corrections.forces[vertex.index()] = force;
+            *corrections.force_mut(vertex) = force;
             if mass > 0.0 {
                 corrections.max_displacement_m = corrections.max_displacement_m.max(force.norm() / mass);
             }

@@ -42,7 +42,7 @@ use nalgebra::Vector3;
 
 pub use responder::Responder;
 
-use crate::labels::VertexLabel;
+use crate::{labels::VertexLabel, mesh::VertexId};
 
 /// What a host should know about a vertex, besides its correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,6 +78,8 @@ pub struct Corrections {
     pub forces: Vec<Vector3<f64>>,
     /// Flags of each vertex.
     pub flags: Vec<VertexFlags>,
+    /// Vertices that have a force or a flag other than pinned, ascending: all others need not be looked at.
+    pub touched: Vec<VertexId>,
     /// Labels of some vertices, by vertex, then by pair: which contacts have to be off. Empty unless they were asked
     /// for ([`Responder::set_labelled`]).
     pub labels: Vec<VertexLabel>,

@@ -13,7 +13,7 @@ use crate::{
     correspond::{Correspondences, Correspondent},
     frame::Frame,
     labels::Labeller,
-    mesh::{Mesh, VertexId},
+    mesh::{Mesh, MeshIdentity, VertexId},
     regions::starts_pair,
     settings::{Response, Settings},
     stage::{Stage, StageObserver},
@@ -27,6 +27,8 @@ pub struct Responder {
     path_forces: PathForces,
     /// Scratch of the flags.
     front: Vec<VertexId>,
+    /// The mesh that the corrections are of.
+    identity: Option<MeshIdentity>,
     labeller: Labeller,
     is_labelled: bool,
 }
@@ -35,6 +37,12 @@ impl Responder {
     /// Switches labels on or off, from the next frame on: they are found only where somebody asks for them.
     pub fn set_labelled(&mut self, is_labelled: bool) {
         self.is_labelled = is_labelled;
+    }
+
+    /// Whether labels are found.
+    #[must_use]
+    pub fn is_labelled(&self) -> bool {
+        self.is_labelled
     }
 
     /// Computes the corrections of one frame from its analysis.
@@ -46,7 +54,12 @@ impl Responder {
         settings: &Settings,
         observer: &mut dyn StageObserver,
     ) -> &Corrections {
-        self.corrections.reset(mesh.num_vertices());
+        if self.identity.as_ref() == Some(mesh.identity()) {
+            self.corrections.reset();
+        } else {
+            self.corrections.begin(mesh);
+            self.identity = Some(mesh.identity().clone());
+        }
         observer.begin(Stage::Correspond);
         let (found, mut num_done) = match settings.response {
             Response::Rbf | Response::Displacement | Response::Coupled => {
@@ -56,7 +69,7 @@ impl Responder {
             Response::Contour | Response::Mask => (self.correspondent.clear(), analysis.regions.num_done),
         };
         observer.begin(Stage::Respond);
-        set_flags(mesh, analysis, settings.path_rings, &mut self.corrections.flags, &mut self.front);
+        set_flags(mesh, analysis, settings.path_rings, &mut self.corrections, &mut self.front);
         if self.is_labelled {
             self.labeller.find(mesh, frame, analysis, settings, &mut self.corrections.labels);
         }
@@ -67,22 +80,28 @@ impl Responder {
             self.corrections.keep_finite();
         }
         self.corrections.left_out = LeftOut::after(analysis, num_done);
+        self.corrections.list_touched();
         observer.end();
         &self.corrections
     }
 
     /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these
-    /// corrections.
+    /// corrections; [`list_touched`](Self::list_touched) has to follow.
     pub(crate) fn displacement_adder<'a>(
         &'a mut self,
         mesh: &'a Mesh,
     ) -> (&'a Correspondences, impl FnMut(VertexId, Vector3<f64>)) {
         let Self { corrections, correspondent, .. } = self;
         let add = move |vertex: VertexId, displacement: Vector3<f64>| {
-            corrections.forces[vertex.index()] += displacement * mass_kg(mesh, vertex);
+            *corrections.force_mut(vertex) += displacement * mass_kg(mesh, vertex);
             corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
         };
         (correspondent.found(), add)
+    }
+
+    /// Brings the list of touched vertices up to date.
+    pub(crate) fn list_touched(&mut self) {
+        self.corrections.list_touched();
     }
 
     /// The last corrections.
@@ -99,11 +118,55 @@ impl Responder {
 }
 
 impl Corrections {
+    /// Sets flags of a vertex.
+    pub(crate) fn flag(&mut self, vertex: VertexId, flags: VertexFlags) {
+        self.touch(vertex);
+        self.flags[vertex.index()].insert(flags);
+    }
+
+    /// The force on a vertex, to be changed.
+    pub(crate) fn force_mut(&mut self, vertex: VertexId) -> &mut Vector3<f64> {
+        self.touch(vertex);
+        &mut self.forces[vertex.index()]
+    }
+
+    /// Notes a vertex whose force or flags are about to change. One that has either is noted already.
+    fn touch(&mut self, vertex: VertexId) {
+        if !self.is_touched(vertex) {
+            self.touched.push(vertex);
+        }
+    }
+
+    fn is_touched(&self, vertex: VertexId) -> bool {
+        let VertexFlags(flags) = self.flags[vertex.index()];
+        // By its bits, so that a negative zero does not stay for the next frame.
+        flags & !VertexFlags::PINNED.0 != 0 || self.forces[vertex.index()].iter().any(|value| value.to_bits() != 0)
+    }
+
+    /// Lists the vertices that have a force or a flag other than pinned, each once, in order.
+    ///
+    /// Cost: a sort of the list; nothing where it is empty.
+    fn list_touched(&mut self) {
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.sort_unstable();
+        touched.dedup();
+        touched.retain(|&vertex| self.is_touched(vertex));
+        self.touched = touched;
+        debug_assert_eq!(
+            (0..self.forces.len()).filter(|&index| self.is_touched(VertexId::from_index(index))).count(),
+            self.touched.len(),
+            "a force or a flag was set past `force_mut` and `flag`"
+        );
+    }
+
     /// Leaves out forces that are not finite: settings and masses at the limits of floating point can make such.
     fn keep_finite(&mut self) {
         let is_finite = |vector: &Vector3<f64>| vector.iter().all(|value| value.is_finite());
-        for force in self.forces.iter_mut().filter(|force| !is_finite(force)) {
-            *force = Vector3::zeros();
+        for vertex in &self.touched {
+            let force = &mut self.forces[vertex.index()];
+            if !is_finite(force) {
+                *force = Vector3::zeros();
+            }
         }
         for sum in [&mut self.net_force, &mut self.net_torque] {
             if !is_finite(sum) {
@@ -115,11 +178,25 @@ impl Corrections {
         }
     }
 
-    fn reset(&mut self, num_vertices: usize) {
+    /// Makes them those of a mesh, all zero but for the flags of pinned vertices.
+    fn begin(&mut self, mesh: &Mesh) {
         self.forces.clear();
-        self.forces.resize(num_vertices, Vector3::zeros());
+        self.forces.resize(mesh.num_vertices(), Vector3::zeros());
+        let pinned = |vertex| if mesh.is_pinned(vertex) { VertexFlags::PINNED } else { VertexFlags::default() };
         self.flags.clear();
-        self.flags.resize(num_vertices, VertexFlags::default());
+        self.flags.extend(mesh.vertex_ids().map(pinned));
+        self.touched.clear();
+        self.reset();
+    }
+
+    /// Makes them what they were at the beginning.
+    ///
+    /// Cost: linear in the vertices that were touched.
+    fn reset(&mut self) {
+        for vertex in self.touched.drain(..) {
+            self.forces[vertex.index()] = Vector3::zeros();
+            self.flags[vertex.index()].0 &= VertexFlags::PINNED.0;
+        }
         self.labels.clear();
         self.net_force = Vector3::zeros();
         self.net_torque = Vector3::zeros();

@@ -1,14 +1,17 @@
 //! Corrections of whole scenes: two sheets that pass through each other.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::{Corrections, Responder, VertexFlags};
 use crate::{
     analysis::{Analysis, analyse},
     frame::Frame,
-    mesh::{Mesh, MeshDescription},
+    mesh::{Mesh, MeshDescription, VertexId},
     paths::PairType,
     settings::{Response, Settings},
+    untangler::Untangler,
 };
 
 /// Adds a sheet of `columns x rows` squares to a mesh.
@@ -150,5 +153,39 @@ fn steps_along_corrections_resolve_the_scene() {
         }
         println!("{response:?}, from the side {from_side}: {steps} steps");
         assert!(steps > 0);
+    }
+}
+
+#[test]
+fn corrections_list_what_was_touched_and_keep_nothing_of_the_frame_before() {
+    let (mut description, tangled) = scene(0.17, false);
+    description.pins = vec![0, 1];
+    // And one that is inside.
+    description.pins.extend(
+        respond(description.clone(), &tangled, Response::Mask).analysis.regions.vertices[0..1].iter().map(|v| v.0),
+    );
+    let mesh = Arc::new(Mesh::new(description).unwrap());
+    let frames = [&tangled, &scene(0.17, true).1, &scene(-0.3, false).1, &tangled]
+        .map(|positions| Frame::new(&mesh, positions).unwrap());
+    let untangler = |response| Untangler::new(Arc::clone(&mesh), Settings { response, ..Settings::default() }).unwrap();
+    for response in [Response::Rbf, Response::Contour, Response::Displacement, Response::Coupled, Response::Mask] {
+        let mut one_for_all = untangler(response);
+        for (k, frame) in frames.iter().enumerate() {
+            let mut fresh = untangler(response);
+            let expected = fresh.process(frame, &mut ()).corrections;
+            let corrections = one_for_all.process(frame, &mut ()).corrections;
+            assert_eq!(corrections.forces, expected.forces, "{response:?}, frame {k}");
+            assert_eq!(corrections.flags, expected.flags, "{response:?}, frame {k}");
+            let is_touched = |vertex: &VertexId| {
+                let VertexFlags(flags) = corrections.flags[vertex.index()];
+                corrections.forces[vertex.index()] != Vector3::zeros() || flags & !VertexFlags::PINNED.0 != 0
+            };
+            assert_eq!(corrections.touched, mesh.vertex_ids().filter(is_touched).collect::<Vec<_>>(), "{response:?}");
+            assert!(
+                mesh.vertex_ids()
+                    .all(|v| corrections.flags[v.index()].contains(VertexFlags::PINNED) == mesh.is_pinned(v))
+            );
+            assert_eq!(corrections.touched.is_empty(), k == 2, "{response:?}, frame {k}");
+        }
     }
 }

@@ -1,7 +1,11 @@
 //! A correction: daemon to host, one for each state that the daemon looked at.
 
+pub mod sparse;
+
 use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+pub use sparse::{VertexEntry, VertexLabel};
 
 /// Flags of a vertex.
 pub mod flags {
@@ -126,8 +130,12 @@ pub struct CorrectionHeader {
     pub num_pairs_left_out: u64,
     /// With [`TRUNCATED`]: their length in the world in metres.
     pub length_left_out_m: f64,
+    /// Number of [`VertexEntry`] in the payload of a sparse correction; 0 in a dense one.
+    pub num_values: u32,
+    /// Number of [`VertexLabel`] behind them; 0 where no labels were asked for.
+    pub num_labels: u32,
     /// Zero.
-    pub reserved: [u64; 3],
+    pub progress: [u64; 2],
 }
 
 /// Correction of one vertex.

@@ -1,0 +1,10 @@
+//! The daemon's ports of a session, each with the service that it belongs to.
+
+mod corrections;
+mod dense;
+mod labels;
+mod sparse;
+mod states;
+
+pub(crate) use corrections::{CorrectionPort, PortOptions};
+pub(crate) use states::StatePort;
