@@ -6,6 +6,7 @@ use untangle::{
     respond::{Corrections, VertexFlags},
     settings::Response,
 };
+use untangled_client::ContactFilter;
 use untangled_publisher::{
     mesh::{Cloth, Vec3},
     solver::Help,
@@ -40,6 +41,8 @@ pub struct Taken {
     velocity_change_m_s: Vec<Vec3>,
     displacement_m: Vec<Vec3>,
     no_contact: Vec<bool>,
+    filter: ContactFilter,
+    is_labelled: bool,
 }
 
 impl Taken {
@@ -64,6 +67,15 @@ impl Taken {
         self.no_contact.extend(corrections.flags.iter().map(mask));
     }
 
+    /// Takes the labels: contacts between the two sides of one tangle are off.
+    pub fn take_labels(&mut self, corrections: &Corrections) {
+        if !self.is_labelled {
+            self.filter = ContactFilter::new(corrections.flags.len());
+            self.is_labelled = true;
+        }
+        self.filter.set(corrections.labels.iter().map(|label| (label.vertex.0, label.label)));
+    }
+
     /// Clears the values.
     pub fn drop_values(&mut self) {
         self.velocity_change_m_s.clear();
@@ -82,6 +94,7 @@ impl Taken {
             velocity_change_m_s: &self.velocity_change_m_s,
             displacement_m: &self.displacement_m,
             no_contact: &self.no_contact,
+            contact_filter: self.is_labelled.then_some(&self.filter),
         }
     }
 }

@@ -223,6 +223,7 @@ fn parameters(args: &PublishArgs, cloth: &Cloth) -> Parameters {
         bending_n_m: bending,
         drag_1_s: drag,
         thickness_m: thickness_m.unwrap_or_else(|| 0.2 * cloth.mean_edge_length_m()),
+        friction: 0.0,
         num_substeps: substeps,
         single_precision: true,
     }

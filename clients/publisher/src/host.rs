@@ -229,6 +229,7 @@ impl Host {
             velocity_change_m_s: &self.velocity_change_m_s,
             displacement_m: &self.displacement_m,
             no_contact: &self.no_contact,
+            contact_filter: None,
         };
         self.solver.step(self.options.dt_s, help);
         self.simulated_s += self.options.dt_s;

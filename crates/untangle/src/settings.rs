@@ -31,7 +31,9 @@ pub struct Settings {
     pub min_centres: usize,
     /// Most centres of a radial basis function fit.
     pub max_centres: usize,
-    /// Vertices in the k-ring of this width round the paths are flagged as near a path.
+    /// Vertices in the k-ring of this width round the paths are flagged as near a path. Zero are the corners of the
+    /// faces that paths run through, which is enough: what is wider lets cloth that leans fall through
+    /// (`docs/results/leaning.md`).
     pub path_rings: u32,
     /// Most pairs of faces that may intersect in a frame. Without it the limit goes by the size of the mesh: four for
     /// each face, and 131,072 in a small one. A frame of more is not analysed.
@@ -140,7 +142,7 @@ impl Default for Settings {
             thickness_m: None,
             min_centres: 5,
             max_centres: 30,
-            path_rings: 2,
+            path_rings: 0,
             max_face_pairs: None,
             max_tested_pairs: None,
             deadline_us: None,

@@ -3,8 +3,8 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin response_table -- [--steps N] [--seeds N] [--edge METRES] [--only METHOD]
-//! [--verbose] [--markdown] [FILE...] cargo run --release -p untangled-lab --bin response_table -- --markdown >
-//! docs/results/response.md
+//!     [--rings N] [--lag N] [--verbose] [--markdown] [FILE...]
+//! cargo run --release -p untangled-lab --bin response_table -- --markdown > docs/results/response.md
 //! ```
 //!
 //! The host is the simulator of `clients/publisher`, whose contact keeps each vertex on its side, right or wrong; the
@@ -13,6 +13,7 @@
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 use std::{
+    collections::VecDeque,
     env,
     error::Error,
     path::Path,
@@ -22,6 +23,7 @@ use std::{
 
 use untangle::{
     frame::Frame,
+    respond::Corrections,
     settings::{Response, Settings},
     untangler::Untangler,
 };
@@ -54,17 +56,43 @@ struct Method {
     name: &'static str,
     response: Response,
     values: bool,
-    mask: bool,
+    off: Off,
 }
 
-const METHODS: [Method; 7] = [
-    Method { name: "no response", response: Response::Mask, values: false, mask: false },
-    Method { name: "mask only", response: Response::Mask, values: false, mask: true },
-    Method { name: "force without mask", response: Response::Rbf, values: true, mask: false },
-    Method { name: "force + mask (rbf)", response: Response::Rbf, values: true, mask: true },
-    Method { name: "contour + mask", response: Response::Contour, values: true, mask: true },
-    Method { name: "displacement + mask", response: Response::Displacement, values: true, mask: true },
-    Method { name: "coupled + mask", response: Response::Coupled, values: true, mask: true },
+/// Which contacts a host switches off.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Off {
+    Nothing,
+    Mask,
+    Labels,
+}
+
+impl Method {
+    /// Takes what a host uses of a correction.
+    fn take(&self, taken: &mut Taken, corrections: &Corrections, masses_kg: &[f64]) {
+        if self.values {
+            taken.take_values(corrections, masses_kg, self.response);
+        }
+        match self.off {
+            Off::Nothing => {}
+            Off::Mask => taken.take_mask(corrections),
+            Off::Labels => taken.take_labels(corrections),
+        }
+    }
+}
+
+const METHODS: [Method; 11] = [
+    Method { name: "no response", response: Response::Mask, values: false, off: Off::Nothing },
+    Method { name: "mask only", response: Response::Mask, values: false, off: Off::Mask },
+    Method { name: "force without mask", response: Response::Rbf, values: true, off: Off::Nothing },
+    Method { name: "force + mask (rbf)", response: Response::Rbf, values: true, off: Off::Mask },
+    Method { name: "contour + mask", response: Response::Contour, values: true, off: Off::Mask },
+    Method { name: "displacement + mask", response: Response::Displacement, values: true, off: Off::Mask },
+    Method { name: "coupled + mask", response: Response::Coupled, values: true, off: Off::Mask },
+    Method { name: "force + labels (rbf)", response: Response::Rbf, values: true, off: Off::Labels },
+    Method { name: "contour + labels", response: Response::Contour, values: true, off: Off::Labels },
+    Method { name: "displacement + labels", response: Response::Displacement, values: true, off: Off::Labels },
+    Method { name: "coupled + labels", response: Response::Coupled, values: true, off: Off::Labels },
 ];
 
 /// How one run ended.
@@ -86,6 +114,10 @@ struct Options {
     most: usize,
     seeds: u64,
     edge_m: f64,
+    /// Width of the mask round the paths.
+    rings: Option<u32>,
+    /// Steps by which a correction comes late.
+    lag: usize,
     only: String,
     markdown: bool,
     verbose: bool,
@@ -95,13 +127,25 @@ struct Options {
 impl Options {
     fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
         let (only, files) = (String::new(), Vec::new());
-        let mut options = Self { most: 200, seeds: 1, edge_m: 0.025, only, markdown: false, verbose: false, files };
+        let mut options = Self {
+            most: 200,
+            seeds: 1,
+            edge_m: 0.025,
+            rings: None,
+            lag: 0,
+            only,
+            markdown: false,
+            verbose: false,
+            files,
+        };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
                 "--steps" => options.most = value()?.parse()?,
                 "--seeds" => options.seeds = value()?.parse()?,
                 "--edge" => options.edge_m = value()?.parse()?,
+                "--rings" => options.rings = Some(value()?.parse()?),
+                "--lag" => options.lag = value()?.parse()?,
                 "--only" => options.only = value()?,
                 "--verbose" => options.verbose = true,
                 "--markdown" => options.markdown = true,
@@ -127,7 +171,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Path::new(file).file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
         for method in options.methods() {
             let cloth = obj::read(Path::new(file)).map_err(Box::from);
-            match cloth.and_then(|cloth| run(cloth, 0.0, method, options.most, options.verbose)) {
+            match cloth.and_then(|cloth| run(cloth, 0.0, method, &options)) {
                 Ok(run) => print_row(&label, method.name, &run, options.markdown),
                 Err(error) => println!("{label}: {error}"),
             }
@@ -144,7 +188,7 @@ fn run_scenes(options: &Options) -> Result<(), Box<dyn Error>> {
             let label = format!("{name} ({path_type}){number}");
             for method in options.methods() {
                 let cloth = scene.build(seed, options.edge_m);
-                let run = run(cloth, 9.81, method, options.most, options.verbose)?;
+                let run = run(cloth, 9.81, method, options)?;
                 print_row(&label, method.name, &run, options.markdown);
             }
         }
@@ -209,14 +253,17 @@ impl Run {
     }
 }
 
-fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
+fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, options: &Options) -> Result<Run, Box<dyn Error>> {
+    let most = options.most;
     let parameters = Parameters::of_cloth(&cloth, gravity_m_s2);
     let mut solver = Solver::new(cloth, parameters);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
-    let settings = Settings { response: method.response, ..Settings::default() };
+    let mut settings = Settings { response: method.response, ..Settings::default() };
+    settings.path_rings = options.rings.unwrap_or(settings.path_rings);
     let mut untangler = Untangler::new(mesh, settings)?;
+    untangler.set_labelled(method.off == Off::Labels);
     let mut run = Run::new();
-    let mut taken = Taken::default();
+    let (mut taken, mut late) = (Taken::default(), VecDeque::new());
     for step in 0..=most {
         let points = solver.cloth().points();
         run.after = count_edge_face(&points, &solver.cloth().triangles)?;
@@ -232,15 +279,15 @@ fn run(cloth: Cloth, gravity_m_s2: f64, method: Method, most: usize, verbose: bo
             run.untangler += begin.elapsed();
             run.busy_steps += 1;
         }
-        if verbose {
+        if options.verbose {
             let pairs = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments));
             println!("  {step:>4} {:>5} {:?}", run.after, pairs.collect::<Vec<_>>());
         }
-        if method.values {
-            taken.take_values(corrections, solver.masses_kg(), method.response);
-        }
-        if method.mask {
-            taken.take_mask(corrections);
+        late.push_back(corrections.clone());
+        if late.len() > options.lag
+            && let Some(corrections) = late.pop_front()
+        {
+            method.take(&mut taken, &corrections, solver.masses_kg());
         }
         solver.step(DT_S, taken.help());
     }

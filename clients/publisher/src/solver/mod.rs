@@ -3,19 +3,23 @@
 //! Sources: Müller, Heidelberger, Hennix and Ratcliff 2007 (position-based dynamics), Macklin, Müller and Chentanez
 //! 2016 (compliance), Macklin et al. 2019 (small steps: many substeps of one iteration each). Edges resist stretch,
 //! hinges resist bending, and self-contact keeps each vertex on the side where it is, right or wrong, as in most
-//! simulators. Everything runs sequentially and in a fixed order, so the same input gives the same motion.
+//! simulators. Contacts are searched on all processors, all else runs sequentially, and the order is fixed, so the same
+//! input gives the same motion.
 
 mod bend;
+mod closest;
 mod contact;
-mod grid;
 mod stretch;
 #[cfg(test)]
 mod tests;
+mod tree;
+
+use untangled_client::ContactFilter;
 
 use crate::mesh::{Cloth, Vec3};
 
 use bend::Bend;
-use contact::Contacts;
+use contact::{Contacts, Off};
 use stretch::Stretch;
 
 /// Material of the cloth and forces on it. SI units.
@@ -33,6 +37,8 @@ pub struct Parameters {
     pub drag_1_s: f64,
     /// Distance that self-contact keeps, in metres.
     pub thickness_m: f64,
+    /// Coefficient of friction of self-contact; zero for none.
+    pub friction: f64,
     /// Substeps of one step.
     pub num_substeps: u32,
     /// Whether positions are rounded to single precision after each step, so that the wire carries the state exactly.
@@ -50,6 +56,7 @@ impl Parameters {
             bending_n_m: 1e-4,
             drag_1_s: 8.0,
             thickness_m: 0.2 * cloth.mean_edge_length_m(),
+            friction: 0.0,
             num_substeps: 8,
             single_precision: true,
         }
@@ -65,11 +72,14 @@ pub struct Help<'a> {
     pub displacement_m: &'a [Vec3],
     /// Vertices whose self-contact is off; empty for none.
     pub no_contact: &'a [bool],
+    /// Says which contacts are off beside these.
+    pub contact_filter: Option<&'a ContactFilter>,
 }
 
 impl Help<'_> {
     /// No help at all.
-    pub const NONE: Self = Help { velocity_change_m_s: &[], displacement_m: &[], no_contact: &[] };
+    pub const NONE: Self =
+        Help { velocity_change_m_s: &[], displacement_m: &[], no_contact: &[], contact_filter: None };
 }
 
 /// A simulated cloth.
@@ -110,7 +120,7 @@ impl Solver {
             inverse_masses,
             stretch: Stretch::new(&cloth, parameters.stretch_n_m),
             bend: Bend::new(&cloth, parameters.bending_n_m),
-            contacts: Contacts::new(&cloth, parameters.thickness_m, reach_m),
+            contacts: Contacts::new(&cloth, parameters.thickness_m, parameters.friction, reach_m),
             reach_m,
             cloth,
             parameters,
@@ -148,7 +158,7 @@ impl Solver {
                 self.cloth.positions[vertex] += displacement;
             }
         }
-        self.contacts.find(&self.cloth, help.no_contact);
+        self.contacts.find(&self.cloth, Off { masked: help.no_contact, filter: help.contact_filter });
 
         let substep_s = dt_s / f64::from(self.parameters.num_substeps);
         let kept = (-self.parameters.drag_1_s * substep_s).exp();
@@ -172,7 +182,7 @@ impl Solver {
             let positions = &mut self.cloth.positions;
             self.stretch.project(positions, &self.inverse_masses, substep_s);
             self.bend.project(positions, &self.inverse_masses, substep_s);
-            self.contacts.project(positions, &self.inverse_masses);
+            self.contacts.project(positions, &self.previous, &self.inverse_masses);
             for (velocity, (now, before)) in self.velocities.iter_mut().zip(positions.iter().zip(&self.previous)) {
                 *velocity = (now - before) / substep_s;
             }

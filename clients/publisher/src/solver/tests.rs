@@ -14,6 +14,7 @@ fn parameters(gravity: f64) -> Parameters {
         bending_n_m: 1e-4,
         drag_1_s: 3.0,
         thickness_m: 0.01,
+        friction: 0.0,
         num_substeps: 4,
         single_precision: true,
     }
