@@ -14,6 +14,7 @@
 //! view is zeroed.
 
 mod connect;
+mod contacts;
 mod error;
 mod frames;
 mod handles;
@@ -22,6 +23,7 @@ mod registration;
 mod types;
 
 pub use connect::*;
+pub use contacts::*;
 pub use error::*;
 pub use frames::*;
 pub use registration::*;

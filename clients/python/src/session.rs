@@ -34,12 +34,11 @@ struct Open {
 
 #[pymethods]
 impl NativeSession {
-    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64. `forms` says whether corrections shall
-    /// be sparse, and whether they shall have labels.
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, forms, settings
+        paths, sparse, labels, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -57,7 +56,8 @@ impl NativeSession {
         double: bool,
         kind: &str,
         paths: bool,
-        forms: (bool, bool),
+        sparse: bool,
+        labels: bool,
         settings: &str,
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
@@ -79,8 +79,8 @@ impl NativeSession {
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
-            sparse: forms.0,
-            labels: forms.1,
+            sparse,
+            labels,
             paths,
             settings: parse(settings)?,
         };
@@ -174,6 +174,18 @@ impl NativeSession {
     #[getter]
     fn num_registrations(&self, py: Python<'_>) -> PyResult<u32> {
         py.detach(|| self.with(|open| Ok(open.session.num_registrations())))
+    }
+
+    /// Whether corrections come sparse.
+    #[getter]
+    fn is_sparse(&self, py: Python<'_>) -> PyResult<bool> {
+        py.detach(|| self.with(|open| Ok(open.session.is_sparse())))
+    }
+
+    /// Whether corrections have labels.
+    #[getter]
+    fn has_labels(&self, py: Python<'_>) -> PyResult<bool> {
+        py.detach(|| self.with(|open| Ok(open.session.has_labels())))
     }
 
     /// How long to wait where the caller does not say.
