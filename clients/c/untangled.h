@@ -338,6 +338,43 @@ typedef struct {
     // What `untangled_release_repair` knows it by.
     uint64_t token;
 } untangled_repair;
+// Value and flags of a vertex, with its index.
+typedef struct {
+    // The vertex.
+    uint32_t vertex;
+    // In the unit of the kind that was asked for.
+    float value[3];
+    // `UNTANGLED_INSIDE` and so on.
+    uint32_t flags;
+} untangled_entry;
+
+// A vertex and its side of a pair of paths.
+typedef struct {
+    // The vertex.
+    uint32_t vertex;
+    // `4 * pair + side`, side 1 or 2, 3 for both; `0xffffffff` for both sides of every pair.
+    uint32_t label;
+} untangled_label;
+
+// What a sparse correction lists. Addresses are valid as long as those of the correction.
+typedef struct {
+    // Whether the correction came sparse.
+    bool is_sparse;
+    // Number of entries.
+    size_t num_entries;
+    // The vertices that have a value or a flag other than pinned, ascending.
+    const untangled_entry *entries;
+    // Number of labels; 0 where they were not asked for.
+    size_t num_labels;
+    // Labels, ascending by vertex.
+    const untangled_label *labels;
+} untangled_sparse_view;
+
+// A filter of contacts; `{0}` is none.
+typedef struct {
+    // Its number.
+    uint64_t id;
+} untangled_contacts;
 
 #ifdef __cplusplus
 extern "C" {
@@ -528,6 +565,60 @@ untangled_error untangled_release_repair(untangled_session session, untangled_re
 // Says that the next frame is no continuation of those before: with the setting `repair` = `auto` the daemon then
 // begins anew to judge progress.
 untangled_error untangled_begin_motion(untangled_session session);
+// Whether a session gets sparse corrections, as asked for by `UNTANGLED_SPARSE`: not from a daemon that is too old.
+bool untangled_is_sparse(untangled_session session);
+
+// Whether a session gets labels, as asked for by `UNTANGLED_LABELS`: not from a daemon that is too old.
+bool untangled_has_labels(untangled_session session);
+
+// Entries and labels of a correction that came sparse; of one that did not, `sparse` becomes all zero. The addresses
+// are valid as long as those of the correction.
+//
+// # Safety
+// `correction` is null or points to one; `sparse` is null or may be written.
+untangled_error untangled_sparse(untangled_session session,
+                                 const untangled_correction *correction,
+                                 untangled_sparse_view *sparse);
+
+// Makes a filter for the contacts of a cloth of so many vertices; it switches none off. Free it with
+// `untangled_contacts_free`.
+//
+// # Safety
+// `contacts` is null or may be written.
+untangled_error untangled_contacts_create(size_t num_vertices, untangled_contacts *contacts);
+
+// Gives a filter back.
+untangled_error untangled_contacts_free(untangled_contacts contacts);
+
+// Gives a filter the labels of a frame, those of `untangled_sparse`, in place of those before. They are copied.
+//
+// # Safety
+// `labels` is null or holds `num_labels` of them.
+untangled_error untangled_contacts_set(untangled_contacts contacts, const untangled_label *labels, size_t num_labels);
+
+// Says of contacts between a vertex and a face each whether they have to be off: those between the two sides of one
+// pair of paths, and no others. `vertices` holds `num_contacts` indices, `faces` `num_contacts x 3`, those of the
+// corners; `off` becomes true or false for each. Indices beyond the cloth have no labels. Calls of several threads on
+// one filter wait for each other; let each thread have its own, or ask for many contacts at a time.
+//
+// # Safety
+// `vertices` and `faces` are null or hold that many numbers; `off` is null or may be written so often.
+untangled_error untangled_vertex_faces_off(untangled_contacts contacts,
+                                           const uint32_t *vertices,
+                                           const uint32_t *faces,
+                                           size_t num_contacts,
+                                           bool *off);
+
+// Says of contacts between two edges each whether they have to be off; `first` and `second` hold `num_contacts x 2`
+// indices of vertices. See `untangled_vertex_faces_off`.
+//
+// # Safety
+// `first` and `second` are null or hold that many numbers; `off` is null or may be written so often.
+untangled_error untangled_edge_edges_off(untangled_contacts contacts,
+                                         const uint32_t *first,
+                                         const uint32_t *second,
+                                         size_t num_contacts,
+                                         bool *off);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -80,6 +80,10 @@ struct Cloth {
     bool paths = false;
     /// Whether frames may be repaired.
     bool repairs = false;
+    /// Whether corrections shall list only the vertices that have a value or a flag: see `Correction::entries`.
+    bool sparse = false;
+    /// Whether corrections shall have labels, for `Contacts`; makes them sparse as well.
+    bool labels = false;
     /// A JSON object; empty for the daemon's defaults.
     std::string settings_json;
 };
@@ -130,6 +134,17 @@ public:
 
     /// Value and flags of each vertex.
     Span<const untangled_vertex> vertices() const noexcept { return {view_.vertices, view_.num_vertices}; }
+    /// The vertices that have a value or a flag other than pinned, and nothing of a correction that did not come
+    /// sparse: see `Session::is_sparse`.
+    Span<const untangled_entry> entries() const {
+        const untangled_sparse_view list = sparse();
+        return {list.entries, list.num_entries};
+    }
+    /// Labels, for `Contacts`; empty where they were not asked for, or the daemon is too old.
+    Span<const untangled_label> labels() const {
+        const untangled_sparse_view list = sparse();
+        return {list.labels, list.num_labels};
+    }
     /// Intersection paths; empty where they were not asked for.
     Span<const untangled_path> paths() const noexcept { return {view_.paths, view_.num_paths}; }
     /// Points of one path; empty where the record points outside of the points that were received.
@@ -144,6 +159,12 @@ public:
     const untangled_correction &summary() const noexcept { return view_; }
 
 private:
+    untangled_sparse_view sparse() const {
+        untangled_sparse_view list = {};
+        check(untangled_sparse(session_, &view_, &list));
+        return list;
+    }
+
     untangled_session session_;
     untangled_correction view_;
 };
@@ -191,6 +212,52 @@ private:
     untangled_repair view_;
 };
 
+/// Which contacts of a cloth have to be off: those between the two sides of one tangle, by the labels of a correction.
+class Contacts {
+public:
+    explicit Contacts(std::size_t num_vertices) { check(untangled_contacts_create(num_vertices, &contacts_)); }
+    Contacts(Contacts &&other) noexcept : contacts_(std::exchange(other.contacts_, {})) {}
+    Contacts &operator=(Contacts &&other) noexcept {
+        std::swap(contacts_, other.contacts_);
+        return *this;
+    }
+    ~Contacts() {
+        if (contacts_.id != 0) {
+            untangled_contacts_free(contacts_);
+        }
+    }
+
+    /// Takes the labels of a frame in place of those before.
+    void set(Span<const untangled_label> labels) {
+        check(untangled_contacts_set(contacts_, labels.data(), labels.size()));
+    }
+    /// Writes for each contact of a vertex and a face whether it is off. All have the same length.
+    void vertex_faces_off(Span<const std::uint32_t> vertices, Span<const std::array<std::uint32_t, 3>> faces,
+                          Span<bool> off) const {
+        check_lengths(vertices.size(), faces.size(), off.size());
+        const auto corners = reinterpret_cast<const std::uint32_t *>(faces.data());
+        check(untangled_vertex_faces_off(contacts_, vertices.data(), corners, off.size(), off.data()));
+    }
+    /// Writes for each contact of two edges whether it is off. All have the same length.
+    void edge_edges_off(Span<const std::array<std::uint32_t, 2>> first,
+                        Span<const std::array<std::uint32_t, 2>> second, Span<bool> off) const {
+        check_lengths(first.size(), second.size(), off.size());
+        const auto ends = reinterpret_cast<const std::uint32_t *>(first.data());
+        const auto others = reinterpret_cast<const std::uint32_t *>(second.data());
+        check(untangled_edge_edges_off(contacts_, ends, others, off.size(), off.data()));
+    }
+    untangled_contacts handle() const noexcept { return contacts_; }
+
+private:
+    static void check_lengths(std::size_t first, std::size_t second, std::size_t off) {
+        if (first != off || second != off) {
+            throw std::invalid_argument("untangled::Contacts: the two ends and the answers differ in number");
+        }
+    }
+
+    untangled_contacts contacts_ = {};
+};
+
 /// One cloth that the daemon knows.
 class Session {
 public:
@@ -209,6 +276,10 @@ public:
     }
 
     std::size_t num_vertices() const noexcept { return num_vertices_; }
+    /// Whether corrections come sparse, as asked for: not from a daemon that is too old.
+    bool is_sparse() const { return untangled_is_sparse(session_); }
+    /// Whether corrections have labels, as asked for: not from a daemon that is too old.
+    bool has_labels() const { return untangled_has_labels(session_); }
     /// More than once if a daemon went away.
     std::uint32_t num_registrations() const { return untangled_num_registrations(session_); }
 
@@ -351,7 +422,8 @@ public:
         registration.precision = cloth.precision;
         registration.correction = cloth.correction;
         registration.paths = cloth.paths ? 1 : 0;
-        registration.options = cloth.repairs ? UNTANGLED_REPAIRS : 0;
+        registration.options = (cloth.sparse ? UNTANGLED_SPARSE : 0) | (cloth.labels ? UNTANGLED_LABELS : 0) |
+                               (cloth.repairs ? UNTANGLED_REPAIRS : 0);
         registration.settings_json = cloth.settings_json.empty() ? nullptr : cloth.settings_json.c_str();
         untangled_session session = {};
         check(untangled_register(client_, &registration, &session));

@@ -57,6 +57,13 @@ fn c_client_allocates_nothing_in_frames() {
 }
 
 #[test]
+fn c_client_lists_entries_and_judges_contacts_as_brute_force_does() {
+    if has("gcc", "contacts of the C client") {
+        in_domain(&compile("gcc", "-std=c11", "tests/programs/contacts.c", "contacts"), &[]);
+    }
+}
+
+#[test]
 fn cpp_wrapper_behaves_as_documented() {
     if has("g++", "the C++ wrapper") {
         in_domain(&compile("g++", "-std=c++17", "tests/programs/wrapper.cpp", "wrapper"), &[]);

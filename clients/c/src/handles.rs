@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use client::{Client, Correction, Loan, Repair, Session};
+use client::{Client, ContactFilter, Correction, Loan, Repair, Session};
 
 use crate::error::{ErrorCode, Fault};
 
@@ -16,6 +16,9 @@ pub(crate) const MAX_HELD: usize = 3;
 pub(crate) static CLIENTS: Table<Client> = Table::new("client");
 /// All open sessions of this process.
 pub(crate) static SESSIONS: Table<OpenSession> = Table::new("session");
+
+/// All filters of contacts of this process.
+pub(crate) static CONTACTS: Table<ContactFilter> = Table::new("filter of contacts");
 
 /// Objects by number. A number is never used again.
 pub(crate) struct Table<T> {
@@ -112,12 +115,15 @@ impl OpenSession {
         Ok((token, held))
     }
 
+    /// A correction that the caller holds.
+    pub(crate) fn held(&self, token: u64) -> Result<&Correction, Fault> {
+        let held = self.held.iter().flatten().find(|held| held.0 == token);
+        held.map(|(_, correction)| correction).ok_or_else(not_held)
+    }
+
     pub(crate) fn release(&mut self, token: u64) -> Result<(), Fault> {
         let slot = self.held.iter_mut().find(|slot| slot.as_ref().is_some_and(|held| held.0 == token));
-        let slot = slot.ok_or_else(|| {
-            Fault::new(ErrorCode::InvalidHandle, "the correction was released before, or is another session's")
-        })?;
-        *slot = None;
+        *slot.ok_or_else(not_held)? = None;
         Ok(())
     }
 }
@@ -144,6 +150,10 @@ impl OpenSession {
         }
         Err(Fault::new(ErrorCode::InvalidHandle, "the repair was released before, or is another session's"))
     }
+}
+
+fn not_held() -> Fault {
+    Fault::new(ErrorCode::InvalidHandle, "the correction was released before, or is another session's")
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 //! view is zeroed.
 
 mod connect;
+mod contacts;
 mod error;
 mod frames;
 mod handles;
@@ -23,6 +24,7 @@ mod repairs;
 mod types;
 
 pub use connect::*;
+pub use contacts::*;
 pub use error::*;
 pub use frames::*;
 pub use registration::*;

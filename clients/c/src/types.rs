@@ -18,6 +18,14 @@ pub struct SessionHandle {
     pub id: u64,
 }
 
+/// A filter of contacts; `{0}` is none.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ContactsHandle {
+    /// Its number.
+    pub id: u64,
+}
+
 /// Precision of the positions that a session publishes.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +80,66 @@ pub struct VertexCorrection {
     pub value: [f32; 3],
     /// `UNTANGLED_INSIDE` and so on.
     pub flags: u32,
+}
+
+/// Value and flags of a vertex, with its index.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The vertex.
+    pub vertex: u32,
+    /// In the unit of the kind that was asked for.
+    pub value: [f32; 3],
+    /// `UNTANGLED_INSIDE` and so on.
+    pub flags: u32,
+}
+
+/// A vertex and its side of a pair of paths.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Label {
+    /// The vertex.
+    pub vertex: u32,
+    /// `4 * pair + side`, side 1 or 2, 3 for both; `0xffffffff` for both sides of every pair.
+    pub label: u32,
+}
+
+/// What a sparse correction lists. Addresses are valid as long as those of the correction.
+#[repr(C)]
+#[derive(Debug)]
+pub struct SparseView {
+    /// Whether the correction came sparse.
+    pub is_sparse: bool,
+    /// Number of entries.
+    pub num_entries: usize,
+    /// The vertices that have a value or a flag other than pinned, ascending.
+    pub entries: *const Entry,
+    /// Number of labels; 0 where they were not asked for.
+    pub num_labels: usize,
+    /// Labels, ascending by vertex.
+    pub labels: *const Label,
+}
+
+impl Default for SparseView {
+    fn default() -> Self {
+        let (entries, labels) = (std::ptr::null(), std::ptr::null());
+        Self { is_sparse: false, num_entries: 0, entries, num_labels: 0, labels }
+    }
+}
+
+impl SparseView {
+    /// What a correction that is kept for the caller lists.
+    pub(crate) fn new(correction: &Correction) -> Self {
+        let Some(entries) = correction.sparse() else { return Self::default() };
+        let labels = correction.labels();
+        Self {
+            is_sparse: true,
+            num_entries: entries.len(),
+            entries: entries.as_ptr().cast(),
+            num_labels: labels.len(),
+            labels: labels.as_ptr().cast(),
+        }
+    }
 }
 
 /// An intersection path.
@@ -219,6 +287,10 @@ const _: () = {
     assert!(size_of::<VertexCorrection>() == size_of::<client::VertexCorrection>());
     assert!(align_of::<VertexCorrection>() == align_of::<client::VertexCorrection>());
     assert!(std::mem::offset_of!(VertexCorrection, flags) == std::mem::offset_of!(client::VertexCorrection, flags));
+    assert!(size_of::<Entry>() == size_of::<client::VertexEntry>() && align_of::<Entry>() == 4);
+    assert!(std::mem::offset_of!(Entry, flags) == std::mem::offset_of!(client::VertexEntry, flags));
+    assert!(size_of::<Label>() == size_of::<client::VertexLabel>() && align_of::<Label>() == 4);
+    assert!(std::mem::offset_of!(Label, label) == std::mem::offset_of!(client::VertexLabel, label));
     assert!(size_of::<Path>() == size_of::<client::PathRecord>() && align_of::<Path>() == 4);
     assert!(std::mem::offset_of!(Path, num_points) == std::mem::offset_of!(client::PathRecord, num_points));
     assert!(size_of::<PathPoint>() == size_of::<client::PathPoint>() && align_of::<PathPoint>() == 8);

@@ -8,7 +8,7 @@ fn header_matches_what_cbindgen_generates() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["error.rs", "types.rs", "registration.rs", "connect.rs", "frames.rs", "repairs.rs"] {
+    for file in ["error.rs", "types.rs", "registration.rs", "connect.rs", "frames.rs", "repairs.rs", "contacts.rs"] {
         builder = builder.with_src(folder.join("src").join(file));
     }
     let mut made = Vec::new();

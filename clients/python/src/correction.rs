@@ -2,11 +2,12 @@
 
 use std::{
     any::Any,
+    mem::offset_of,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 use pyo3::{prelude::*, types::PyDict};
-use untangled_client::{Correction, PathPoint, PathRecord, VertexCorrection, pair_type};
+use untangled_client::{Correction, PathPoint, PathRecord, VertexCorrection, VertexEntry, VertexLabel, pair_type};
 use untangled_proto::correction::{REPAIRING, TRUNCATED, stage};
 
 use crate::memory::Memory;
@@ -44,9 +45,30 @@ impl NativeCorrection {
     fn flags(&self) -> Memory {
         let correction = self.lock();
         let vertices = correction.vertices();
-        let offset = std::mem::offset_of!(VertexCorrection, flags);
+        let offset = offset_of!(VertexCorrection, flags);
         let start = vertices.as_ptr().cast::<u8>().wrapping_add(offset);
         self.view(start, [vertices.len(), 0, size_of::<VertexCorrection>()], "<u4")
+    }
+
+    /// Of a sparse correction the vertices of its entries (`num_entries` of u32), their values (`x 3` of f32) and flags
+    /// (of u32); nothing of a dense one.
+    fn entries(&self) -> Option<(Memory, Memory, Memory)> {
+        let correction = self.lock();
+        let entries = correction.sparse()?;
+        let at = |offset: usize| entries.as_ptr().cast::<u8>().wrapping_add(offset);
+        let (num, stride) = (entries.len(), size_of::<VertexEntry>());
+        Some((
+            self.view(at(offset_of!(VertexEntry, vertex)), [num, 0, stride], "<u4"),
+            self.view(at(offset_of!(VertexEntry, value)), [num, 3, stride], "<f4"),
+            self.view(at(offset_of!(VertexEntry, flags)), [num, 0, stride], "<u4"),
+        ))
+    }
+
+    /// The labels, `num_labels x 2` of u32: vertex and label.
+    fn labels(&self) -> Memory {
+        let correction = self.lock();
+        let labels = correction.labels();
+        self.view(labels.as_ptr(), [labels.len(), 2, size_of::<VertexLabel>()], "<u4")
     }
 
     /// Nothing, or `num_paths x 8` numbers of the records, the points' positions (`x 3` of f64) and faces (`x 2` of
@@ -55,7 +77,7 @@ impl NativeCorrection {
         let correction = self.lock();
         let paths = correction.paths()?;
         let (records, points) = (paths.records, paths.points);
-        let offset = std::mem::offset_of!(PathPoint, faces);
+        let offset = offset_of!(PathPoint, faces);
         let faces = points.as_ptr().cast::<u8>().wrapping_add(offset);
         Some((
             self.view(records.as_ptr(), [records.len(), 8, size_of::<PathRecord>()], "<u4"),

@@ -8,6 +8,7 @@
 //! Sessions may be used from any thread, by one at a time, and release the interpreter's lock while they wait.
 
 mod bytes;
+mod contacts;
 mod correction;
 mod error;
 mod library;
@@ -23,6 +24,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<session::NativeSession>()?;
     module.add_class::<correction::NativeCorrection>()?;
     module.add_class::<repair::NativeRepair>()?;
+    module.add_class::<contacts::NativeContactFilter>()?;
     module.add_class::<memory::Memory>()?;
     module.add_function(wrap_pyfunction!(library::analyse, module)?)?;
     module.add_function(wrap_pyfunction!(library::count_intersections, module)?)?;

@@ -35,12 +35,11 @@ struct Open {
 
 #[pymethods]
 impl NativeSession {
-    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64. `forms` says whether corrections shall
-    /// be sparse, and whether they shall have labels.
+    /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, repairs, settings, forms = (false, false)
+        paths, sparse, labels, repairs, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -58,9 +57,10 @@ impl NativeSession {
         double: bool,
         kind: &str,
         paths: bool,
+        sparse: bool,
+        labels: bool,
         repairs: bool,
         settings: &str,
-        forms: (bool, bool),
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
             (Some(uvs), Some(corners)) => {
@@ -81,8 +81,8 @@ impl NativeSession {
             layers: layers.map(|layers| layers.into_flattened()),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
-            sparse: forms.0,
-            labels: forms.1,
+            sparse,
+            labels,
             paths,
             repairs,
             settings: parse(settings)?,
@@ -231,6 +231,18 @@ impl NativeSession {
     #[getter]
     fn num_registrations(&self, py: Python<'_>) -> PyResult<u32> {
         py.detach(|| self.with(|open| Ok(open.session.num_registrations())))
+    }
+
+    /// Whether corrections come sparse.
+    #[getter]
+    fn is_sparse(&self, py: Python<'_>) -> PyResult<bool> {
+        py.detach(|| self.with(|open| Ok(open.session.is_sparse())))
+    }
+
+    /// Whether corrections have labels.
+    #[getter]
+    fn has_labels(&self, py: Python<'_>) -> PyResult<bool> {
+        py.detach(|| self.with(|open| Ok(open.session.has_labels())))
     }
 
     /// How long to wait where the caller does not say.

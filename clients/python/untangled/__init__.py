@@ -15,7 +15,8 @@ Lengths are in metres, times in seconds, masses in kilograms, forces in newtons.
 """
 
 from ._native import Error, FrameRefused, Missed, NoDaemon, Refused, __version__
-from .correction import Correction, Path, Paths
+from .contacts import ContactFilter
+from .correction import Correction, Entries, Path, Paths
 from .library import Analysis, Fix, FoundPath, Progress, analyse, count_intersections, fix
 from .repair import Repair
 from .session import Session, status
@@ -38,7 +39,9 @@ __all__ = [
     "NEAR_PATH",
     "PINNED",
     "Analysis",
+    "ContactFilter",
     "Correction",
+    "Entries",
     "Error",
     "Fix",
     "FoundPath",

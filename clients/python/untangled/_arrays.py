@@ -55,6 +55,16 @@ def indices(name: str, values: Any, width: int) -> NDArray[np.uint32]:
     return _shaped(name, given.astype(np.uint32, copy=False), width)
 
 
+def contact_ends(name: str, values: Any, width: int) -> bytes:
+    """`values`, `n x width` indices of vertices, as bytes of uint32; those below zero become larger than any."""
+    given = host(name, values)
+    if given.size and given.dtype.kind not in "iu":
+        raise TypeError(f"{name} must be integers, not {given.dtype}")
+    if given.dtype.itemsize > 4 and given.size and (given.min() < -(2**31) or given.max() > 0xFFFFFFFF):
+        raise ValueError(f"{name} must be from -2**31 to 2**32 - 1")
+    return _shaped(name, given.astype(np.uint32, copy=False), width).tobytes()
+
+
 def numbers(name: str, values: Any, width: int, length: Optional[int] = None) -> NDArray[np.float64]:
     """`values` as contiguous float64, `length x width`, or a plain list for width 1."""
     array = _shaped(name, np.asarray(host(name, values), dtype=np.float64), width)

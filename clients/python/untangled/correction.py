@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterator, Optional, Sequence, overload
+from typing import Any, Dict, Iterator, NamedTuple, Optional, Sequence, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,17 @@ class Paths(Sequence[Path]):
         return (self[k] for k in range(len(self)))
 
 
+class Entries(NamedTuple):
+    """The vertices that have a value or a flag other than pinned, ascending."""
+
+    vertices: NDArray[np.uint32]
+    """Their indices, `num_entries` of uint32."""
+    values: NDArray[np.float32]
+    """Their corrections in the unit of `kind`, `num_entries x 3` of float32."""
+    flags: NDArray[np.uint32]
+    """Their flags, `num_entries` of uint32: `untangled.INSIDE` and so on."""
+
+
 class Correction:
     """The correction of one frame.
 
@@ -111,6 +122,33 @@ class Correction:
     def flags(self) -> NDArray[np.uint32]:
         """Flags of each vertex, `num_vertices` of uint32: `untangled.INSIDE` and so on. A read-only view."""
         return self._view("flags", lambda native: np.asarray(native.flags()))
+
+    @property
+    def entries(self) -> Entries:
+        """The vertices that have a value or a flag other than pinned.
+
+        Of a session with `sparse=True` or `labels=True` read-only views into shared memory; otherwise picked from
+        `value` and `flags` once. `value` and `flags` of such a session are views of memory that the entries were
+        written into when they were first asked for.
+        """
+
+        def make(native: NativeCorrection) -> Entries:
+            parts = native.entries()
+            if parts is not None:
+                return Entries(*(np.asarray(part) for part in parts))
+            pinned = np.uint32(8)
+            chosen = np.flatnonzero(((self.flags & ~pinned) != 0) | (self.value.view(np.uint32) != 0).any(axis=1))
+            return Entries(chosen.astype(np.uint32), self.value[chosen], self.flags[chosen])
+
+        return self._view("entries", make)
+
+    @property
+    def labels(self) -> NDArray[np.uint32]:
+        """Labels of vertices, `num_labels x 2` of uint32 (vertex, label), for :class:`untangled.ContactFilter`.
+
+        Empty without `Session(..., labels=True)`, or from a daemon that is too old. A read-only view.
+        """
+        return self._view("labels", lambda native: np.asarray(native.labels()))
 
     @property
     def inside(self) -> NDArray[np.bool_]:

@@ -40,6 +40,10 @@ class Session:
         dtype: float32 or float64: the precision in which positions are sent.
         paths: whether corrections bring the intersection paths.
         repairs: whether frames may be repaired, see :meth:`repair`. Takes shared memory for four frames more.
+        sparse: whether corrections list only the vertices that have a value or a flag (`correction.entries`): an
+            untangled frame then costs nothing for each vertex. They read the same either way.
+        labels: whether corrections have labels, by which :class:`untangled.ContactFilter` says of single contacts
+            whether they have to be off; makes them sparse as well.
         settings: by name, as in `untangled config`, section `settings`; besides, `quality`. Numbers of numpy are
             taken for what they are.
         dt: length of a step in seconds, where a call does not say another; 1e-9 to 1e9.
@@ -63,6 +67,8 @@ class Session:
         dtype: DTypeLike = np.float32,
         paths: bool = False,
         repairs: bool = False,
+        sparse: bool = False,
+        labels: bool = False,
         settings: Optional[Mapping[str, Any]] = None,
         dt: float = 1 / 60,
         domain: Optional[str] = None,
@@ -99,6 +105,8 @@ class Session:
             kind=correction,
             paths=paths,
             repairs=repairs,
+            sparse=sparse,
+            labels=labels,
             settings=_arrays.document(settings),
             **cloth,  # type: ignore[arg-type]
         )
@@ -263,6 +271,16 @@ class Session:
     def last_frame(self) -> int:
         """Number of the last frame that was published; 0 before the first."""
         return self._native.frame
+
+    @property
+    def is_sparse(self) -> bool:
+        """Whether corrections come sparse, as asked for: not from a daemon that is too old."""
+        return self._native.is_sparse
+
+    @property
+    def has_labels(self) -> bool:
+        """Whether corrections have labels, as asked for: not from a daemon that is too old."""
+        return self._native.has_labels
 
     @property
     def num_registrations(self) -> int:

@@ -129,6 +129,31 @@ int main(int argc, char **argv) {
     } catch (const untangled::Error &error) {
         EXPECT(error.transient() && error.code() == UNTANGLED_TIMEOUT);
     }
+    cloth.precision = UNTANGLED_F32;
+    cloth.labels = true;
+    auto labelled = client.open(cloth);
+    EXPECT(labelled.is_sparse() && labelled.has_labels() && !session.is_sparse() && !session.has_labels());
+    auto listed = labelled.exchange(0.0, 0.01, {crossed.data(), crossed.size()}, 60s);
+    EXPECT(listed.entries().size() > 0 && listed.labels().size() > 0);
+    EXPECT(correction.entries().size() == 0 && correction.labels().size() == 0);
+    for (const auto &entry : listed.entries()) {
+        EXPECT(listed.vertices()[entry.vertex].flags == entry.flags);
+    }
+    // The tip may pass through the triangle that it has pierced, not through its own.
+    untangled::Contacts contacts(labelled.num_vertices());
+    contacts.set(listed.labels());
+    const std::array<std::uint32_t, 2> tips = {5, 5};
+    const std::array<std::array<std::uint32_t, 3>, 2> faces = {{{0, 1, 2}, {3, 4, 5}}};
+    std::array<bool, 2> off = {};
+    contacts.vertex_faces_off({tips.data(), 2}, {faces.data(), 2}, {off.data(), 2});
+    EXPECT(off[0] && !off[1]);
+    const std::array<std::array<std::uint32_t, 2>, 1> edges[2] = {{{{0, 1}}}, {{{5, 3}}}};
+    contacts.edge_edges_off({edges[0].data(), 1}, {edges[1].data(), 1}, {off.data(), 1});
+    try {
+        contacts.vertex_faces_off({tips.data(), 1}, {faces.data(), 2}, {off.data(), 2});
+        EXPECT(!"one vertex for two faces");
+    } catch (const std::invalid_argument &) {
+    }
     std::puts("the wrapper keeps its word");
     return 0;
 }
