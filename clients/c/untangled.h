@@ -338,6 +338,7 @@ typedef struct {
     // What `untangled_release_repair` knows it by.
     uint64_t token;
 } untangled_repair;
+
 // Value and flags of a vertex, with its index.
 typedef struct {
     // The vertex.
@@ -565,6 +566,7 @@ untangled_error untangled_release_repair(untangled_session session, untangled_re
 // Says that the next frame is no continuation of those before: with the setting `repair` = `auto` the daemon then
 // begins anew to judge progress.
 untangled_error untangled_begin_motion(untangled_session session);
+
 // Whether a session gets sparse corrections, as asked for by `UNTANGLED_SPARSE`: not from a daemon that is too old.
 bool untangled_is_sparse(untangled_session session);
 

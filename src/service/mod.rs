@@ -21,6 +21,7 @@ mod housekeeping;
 mod metrics;
 mod options;
 mod pool;
+mod port_options;
 mod repair;
 pub mod requests;
 pub mod session;

@@ -8,8 +8,8 @@ fn header_matches_what_cbindgen_generates() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).unwrap();
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["error.rs", "types.rs", "registration.rs", "connect.rs", "frames.rs", "repairs.rs", "contacts.rs"] {
-        builder = builder.with_src(folder.join("src").join(file));
+    for name in ["error", "types/mod", "types/views", "registration", "connect", "frames", "repairs", "contacts"] {
+        builder = builder.with_src(folder.join("src").join(name).with_extension("rs"));
     }
     let mut made = Vec::new();
     builder.generate().unwrap().write(&mut made);

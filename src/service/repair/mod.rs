@@ -29,5 +29,5 @@ mod solve;
 mod workers;
 
 pub(crate) use desk::{Counts, RepairDesk};
-pub(crate) use port::{RepairPort, RepairPortOptions};
+pub(crate) use port::RepairPort;
 pub(crate) use workers::RepairWorkers;

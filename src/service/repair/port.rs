@@ -5,15 +5,18 @@ use iceoryx2::{
     prelude::{EventId, Node},
 };
 use untangled_proto::{
-    PayloadLayout, PositionF32, PositionF64, Precision, RepairHeader, Status,
+    PositionF32, PositionF64, Precision, RepairHeader, Status,
     names::{self, SessionService},
 };
 use untangled_transport::{
-    Domain, memory,
+    memory,
     services::{Event, Ipc, Position, Repairs},
 };
 
-use crate::service::error::{Refusal, ServeError};
+use crate::service::{
+    error::{Refusal, ServeError},
+    port_options::PortOptions,
+};
 
 /// Sends repairs and wakes the host.
 #[derive(Debug)]
@@ -36,20 +39,9 @@ struct Publication<P: Position> {
     _service: Repairs<P>,
 }
 
-/// The session that a port is made for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RepairPortOptions<'a> {
-    pub(crate) domain: &'a Domain,
-    pub(crate) instance: u64,
-    pub(crate) session: u64,
-    pub(crate) num_vertices: usize,
-    pub(crate) precision: Precision,
-    pub(crate) layout: PayloadLayout,
-}
-
 impl RepairPort {
     /// Creates the service of a session, and its publisher; `event` is that of the session.
-    pub(crate) fn create(node: &Node<Ipc>, event: &Event, options: RepairPortOptions<'_>) -> Result<Self, Refusal> {
+    pub(crate) fn create(node: &Node<Ipc>, event: &Event, options: &PortOptions<'_>) -> Result<Self, Refusal> {
         let notifier = event.notifier_builder().create().map_err(|error| failed("creating a notifier", &error))?;
         let publisher = match options.precision {
             Precision::F32 => Displacements::F32(Publication::create(node, options)?),
@@ -75,8 +67,8 @@ impl RepairPort {
 }
 
 impl<P: Position> Publication<P> {
-    fn create(node: &Node<Ipc>, options: RepairPortOptions<'_>) -> Result<Self, Refusal> {
-        let RepairPortOptions { domain, instance, session, num_vertices, layout, .. } = options;
+    fn create(node: &Node<Ipc>, options: &PortOptions<'_>) -> Result<Self, Refusal> {
+        let &PortOptions { domain, instance, session, num_vertices, layout, .. } = options;
         let name = names::session(instance, session, SessionService::Repair);
         let service =
             P::create_repairs(node, &name, layout).map_err(|error| failed("creating the repair service", &error))?;

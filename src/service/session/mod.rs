@@ -36,12 +36,13 @@ use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
 
 use super::{
     error::{Refusal, ServeError},
-    repair::{Counts, RepairDesk, RepairPort, RepairPortOptions, RepairWorkers},
+    port_options::PortOptions,
+    repair::{Counts, RepairDesk, RepairPort, RepairWorkers},
     throttle::Throttle,
 };
 pub use estimate::memory_bytes;
 use paths::PathsPort;
-use ports::{CorrectionPort, PortOptions, StatePort};
+use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
 use work::{SessionRepairs, Work};
@@ -107,15 +108,14 @@ impl Session {
         untangler.set_labelled(options.has_labels());
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
         let num_vertices = mesh.num_vertices();
-        let port = PortOptions { domain, instance, session: id, num_vertices, layout, options };
+        let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout, options };
         let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
         let repairs = if options.has_repairs() {
             shared.workers.start().map_err(|error| {
                 Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
             })?;
-            let port = RepairPortOptions { domain, instance, session: id, num_vertices, precision, layout };
-            let port = RepairPort::create(node, corrections.event(), port)?;
+            let port = RepairPort::create(node, corrections.event(), &port)?;
             Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port)))
         } else {
             None

@@ -28,6 +28,7 @@ pub(crate) enum CorrectionPort {
 
 /// A correction that has come.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "a copied header is no reason to allocate for each frame")]
 pub(crate) enum CorrectionSample {
     Dense(Sample<Ipc, [VertexCorrection], CorrectionHeader>),
     Sparse(SparseSample),

@@ -17,8 +17,11 @@ pub(crate) struct Gallery {
     pub(crate) piece: Vec<usize>,
 }
 
+/// A scene, by the length of its edges in metres.
+type Scene = fn(f64) -> Gallery;
+
 /// The scenes by name.
-pub(crate) const SCENES: [(&str, fn(f64) -> Gallery); 9] = [
+pub(crate) const SCENES: [(&str, Scene); 9] = [
     ("towels: a bump through the next towel", |edge_m| towels(edge_m, 1.5)),
     ("towels: a bump through the next two", |edge_m| towels(edge_m, 3.4)),
     ("skirts on a body: a dent", |edge_m| skirts(edge_m, false)),

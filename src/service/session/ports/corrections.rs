@@ -6,7 +6,7 @@ use iceoryx2::{
     service::port_factory::publish_subscribe,
 };
 use untangled_proto::{
-    CorrectionHeader, PayloadLayout, SessionOptions, Status,
+    CorrectionHeader, Status,
     names::{self, SessionService},
 };
 use untangled_transport::{
@@ -14,22 +14,12 @@ use untangled_transport::{
     services::{self, Event, Ipc},
 };
 
-use super::{dense::DenseSamples, sparse::SparseSamples};
+use super::{dense::DenseSamples, finish::Finish, sparse::SparseSamples};
 use crate::service::{
     error::{Refusal, ServeError},
+    port_options::PortOptions,
     session::{clock::StageClock, publish::Values},
 };
-
-/// Which session a port is for, and how its samples are made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PortOptions<'a> {
-    pub(crate) domain: &'a Domain,
-    pub(crate) instance: u64,
-    pub(crate) session: u64,
-    pub(crate) num_vertices: usize,
-    pub(crate) layout: PayloadLayout,
-    pub(crate) options: SessionOptions,
-}
 
 /// Sends corrections and wakes the host. Fields are dropped in order: ports before services.
 #[derive(Debug)]
@@ -43,23 +33,6 @@ pub(crate) struct CorrectionPort {
 enum Samples {
     Dense(DenseSamples),
     Sparse(SparseSamples),
-}
-
-/// Writes the header of a sample last, with the times so far, and has it counted before the sample is sent, so that a
-/// host that has the correction finds it counted.
-pub(super) struct Finish<'a, R> {
-    pub(super) header: &'a mut CorrectionHeader,
-    pub(super) clock: &'a mut StageClock,
-    pub(super) record: R,
-}
-
-impl<R: FnOnce(&CorrectionHeader)> Finish<'_, R> {
-    /// The header to be written into the sample.
-    pub(super) fn header(self) -> CorrectionHeader {
-        self.header.stage_ns = self.clock.finish();
-        (self.record)(self.header);
-        *self.header
-    }
 }
 
 impl CorrectionPort {

@@ -6,7 +6,7 @@ use iceoryx2::port::publisher::Publisher;
 use untangled_proto::{CorrectionHeader, VertexCorrection};
 use untangled_transport::services::{CorrectionService, Ipc};
 
-use super::corrections::Finish;
+use super::finish::Finish;
 use crate::service::{error::ServeError, session::publish::Values};
 
 /// Sends dense corrections. Fields are dropped in order: ports before services.

@@ -2,9 +2,10 @@
 
 mod corrections;
 mod dense;
+mod finish;
 mod labels;
 mod sparse;
 mod states;
 
-pub(crate) use corrections::{CorrectionPort, PortOptions};
+pub(crate) use corrections::CorrectionPort;
 pub(crate) use states::StatePort;

@@ -7,7 +7,7 @@ use untangled_proto::{
 };
 use untangled_transport::services::{Ipc, SparseService};
 
-use super::{corrections::Finish, labels::Labels};
+use super::{finish::Finish, labels::Labels};
 use crate::service::{error::ServeError, session::publish::Values};
 
 /// Sends sparse corrections. Fields are dropped in order: ports before services.
