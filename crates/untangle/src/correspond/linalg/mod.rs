@@ -4,9 +4,13 @@
 mod cholesky;
 mod ordering;
 mod pivoted;
+mod reflections;
+mod rows;
 mod saddle_point;
 mod sparse;
+mod triangular;
 
 pub(crate) use cholesky::Cholesky;
+pub(super) use rows::Row;
 pub(super) use saddle_point::SaddlePoint;
 pub(crate) use sparse::SparseSymmetric;
