@@ -1,8 +1,6 @@
 //! Finds the correspondences of all paths of a frame, step by step: charts, lifted paths, sides, fit, separation
 //! constraints, attractions.
 
-use nalgebra::Point3;
-
 use super::{
     chart_pair::ChartPair,
     charts::ChartKind,
@@ -12,15 +10,10 @@ use super::{
     path_input::{PathInput, is_partitioning},
     separations::SheetsAlongPath,
     shared_by_pair::{SharedCharts, SharedResults, add_exchanged, have_same_points},
-    targets::TargetMap,
+    targets::{TargetMap, TargetScratch},
 };
 use crate::{
-    analysis::Analysis,
-    frame::Frame,
-    mesh::{FaceId, Mesh},
-    paths::Sheet,
-    regions::starts_pair,
-    settings::Settings,
+    analysis::Analysis, frame::Frame, mesh::Mesh, paths::Sheet, regions::starts_pair, settings::Settings,
     stage::StageObserver,
 };
 
@@ -33,7 +26,7 @@ pub struct Correspondent {
     fit: PathFit,
     /// What the first path of the present pair leaves to the second.
     shared: Option<SharedCharts>,
-    face_points: Vec<(FaceId, usize, Point3<f64>)>,
+    targets: TargetScratch,
 }
 
 impl Correspondent {
@@ -195,6 +188,6 @@ impl Correspondent {
     fn attract(&mut self, input: &PathInput<'_>, sides: (f64, f64)) {
         let (own, partner) = (self.charts.own(), self.charts.partner());
         let map = TargetMap { own, partner, pair: &self.lifted, plate: &self.fit.plate, sides };
-        map.attract(input, &mut self.face_points, &mut self.correspondences.attractions);
+        map.attract(input, &mut self.targets, &mut self.correspondences.attractions);
     }
 }

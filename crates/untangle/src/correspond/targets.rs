@@ -6,10 +6,7 @@ use super::{
     charts::Chart, correspondences::Attraction, fit::ThinPlate, lifted::LiftedPair, material_point::MaterialPoint,
     path_input::PathInput,
 };
-use crate::{
-    geometry::left_normal,
-    mesh::{FaceId, Mesh},
-};
+use crate::{geometry::left_normal, mesh::FaceId};
 
 /// The map of one path, from its own chart to that of the corresponding path.
 #[derive(Clone, Copy, Debug)]
@@ -22,39 +19,57 @@ pub(super) struct TargetMap<'a> {
     pub(super) sides: (f64, f64),
 }
 
+/// Points inside and where they go, in memory that is kept from one path to the next.
+#[derive(Debug, Default)]
+pub(super) struct TargetScratch {
+    face_points: Vec<(FaceId, usize, Point3<f64>)>,
+    sources: Vec<MaterialPoint>,
+    /// Places of the sources in the chart of the path, and their images in that of the corresponding path.
+    places: Vec<Point2<f64>>,
+    images: Vec<Point2<f64>>,
+}
+
 impl TargetMap<'_> {
     /// Adds an attraction for each point inside: the vertices of the region, or, of a region without vertices, points
     /// of the faces that the path runs through.
     pub(super) fn attract(
         &self,
         input: &PathInput<'_>,
-        face_points: &mut Vec<(FaceId, usize, Point3<f64>)>,
+        scratch: &mut TargetScratch,
         attractions: &mut Vec<Attraction>,
     ) {
-        let mut attract = |source: MaterialPoint| {
-            if let Some(target) = self.target(input.mesh, &source) {
-                attractions.push(Attraction { source, target });
+        let TargetScratch { face_points, sources, places, images } = scratch;
+        sources.clear();
+        places.clear();
+        let mut add = |source: MaterialPoint| {
+            if let Some(point) = self.own.material_point(input.mesh, &source) {
+                sources.push(source);
+                places.push(self.nearest_copy(point));
             }
         };
         if input.region.is_empty() {
-            points_within(input, face_points, &mut attract);
+            points_within(input, face_points, &mut add);
         }
         for &vertex in input.region {
-            attract(MaterialPoint::vertex(vertex));
+            add(MaterialPoint::vertex(vertex));
+        }
+        if self.pair.only_partner_winds() {
+            images.clear();
+            images.extend(places.iter().map(|&point| self.offset_image(point)));
+        } else {
+            self.plate.evaluate_all(places, images);
+        }
+        for (&source, &image) in sources.iter().zip(&*images) {
+            if let Some(target) = self.partner.locate(input.mesh, image) {
+                attractions.push(Attraction { source, target });
+            }
         }
     }
 
-    /// The place of the other sheet that a point inside has penetrated, if it lies in the chart.
-    fn target(&self, mesh: &Mesh, source: &MaterialPoint) -> Option<MaterialPoint> {
-        let point = self.own.material_point(mesh, source)?;
-        let image = if self.pair.only_partner_winds() {
-            self.offset_image(point)
-        } else if self.pair.own.period.is_some() || self.own.period().is_some() {
-            self.plate.evaluate(self.pair.own.nearest_copy(self.own, point).0)
-        } else {
-            self.plate.evaluate(point)
-        };
-        self.partner.locate(mesh, image)
+    /// The copy of a point of the chart that the map is to be taken at.
+    fn nearest_copy(&self, point: Point2<f64>) -> Point2<f64> {
+        let goes_on = self.pair.own.period.is_some() || self.own.period().is_some();
+        if goes_on && !self.pair.only_partner_winds() { self.pair.own.nearest_copy(self.own, point).0 } else { point }
     }
 
     /// The image of a point where the inside is a disc and its image an annulus, between which no injective map

@@ -3,7 +3,10 @@
 use pulp::{f32x8, f64x4, u32x8, x86::V3};
 
 use super::{
-    lanes::{F32_LANES, F32x8Lanes, F64_LANES, F64Lanes, Lanes},
+    lanes::{
+        EXPONENT_BIAS, F32_LANES, F32x8Lanes, F64_LANES, F64Lanes, FRACTION, LEAST_MANTISSA, Lanes, TO_LEAST_MANTISSA,
+        TWO_TO_52,
+    },
     portable::{F32_FLOOR, F32_ROUNDOFF, F64_FLOOR, F64_ROUNDOFF},
 };
 
@@ -75,6 +78,17 @@ impl F64Lanes for Avx2F64x4 {
     #[inline(always)]
     fn sqrt(self, a: f64x4) -> f64x4 {
         self.0.sqrt_f64x4(a)
+    }
+
+    #[inline(always)]
+    fn split(self, a: f64x4) -> [f64x4; 2] {
+        let V3 { avx, avx2, .. } = self.0;
+        let splat = |bits: u64| avx._mm256_set1_epi64x(bits.cast_signed());
+        let shifted = avx2._mm256_add_epi64(pulp::cast(a), splat(TO_LEAST_MANTISSA));
+        let exponent = avx2._mm256_or_si256(avx2._mm256_srli_epi64::<52>(shifted), splat(TWO_TO_52.to_bits()));
+        let fraction = avx2._mm256_and_si256(shifted, splat(FRACTION));
+        let mantissa = avx2._mm256_add_epi64(fraction, splat(LEAST_MANTISSA));
+        [self.sub(pulp::cast(exponent), self.splat(TWO_TO_52 + EXPONENT_BIAS)), pulp::cast(mantissa)]
     }
 
     #[inline(always)]

@@ -6,6 +6,17 @@ pub(crate) const F32_LANES: usize = 8;
 /// Rows of double precision that go through a filter together, in vectors of as many lanes as the instruction set has.
 pub(crate) const F64_LANES: usize = 4;
 
+/// Bits of the root of 1/2, the least mantissa of [`F64Lanes::split`].
+pub(super) const LEAST_MANTISSA: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+/// What makes the exponent of a number with that mantissa the one of 1.
+pub(super) const TO_LEAST_MANTISSA: u64 = 1f64.to_bits() - LEAST_MANTISSA;
+/// The bits of a number below its exponent.
+pub(super) const FRACTION: u64 = (1 << 52) - 1;
+/// A small whole number in the last bits of this one adds itself to the value.
+pub(super) const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
+/// What the bits of an exponent are above it.
+pub(super) const EXPONENT_BIAS: f64 = 1023.0;
+
 /// Floating-point arithmetic on vectors, lane by lane; a scalar is a vector of one lane. No lane ever holds NaN.
 pub(crate) trait Lanes: Copy {
     type Vector: Copy;
@@ -57,6 +68,10 @@ pub(crate) trait F64Lanes: Lanes {
 
     fn div(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn sqrt(self, a: Self::Vector) -> Self::Vector;
+
+    /// Exponent and mantissa of numbers above zero: `a = 2^exponent mantissa`, with a mantissa from the root of 1/2 to
+    /// the root of 2. Both are finite for zero too.
+    fn split(self, a: Self::Vector) -> [Self::Vector; 2];
 
     /// The entries of a row from `first` on, a multiple of the width.
     fn load(self, row: &[f64; F64_LANES], first: usize) -> Self::Vector;

@@ -1,6 +1,9 @@
 //! Lanes for any processor: one double, or an array of eight singles that the compiler may vectorise.
 
-use super::lanes::{F32_LANES, F32x8Lanes, F64_LANES, F64Lanes, Lanes};
+use super::lanes::{
+    EXPONENT_BIAS, F32_LANES, F32x8Lanes, F64_LANES, F64Lanes, FRACTION, LEAST_MANTISSA, Lanes, TO_LEAST_MANTISSA,
+    TWO_TO_52,
+};
 
 /// Unit roundoff and underflow threshold of each precision.
 pub(super) const F64_ROUNDOFF: f64 = 0.5 * f64::EPSILON;
@@ -76,6 +79,13 @@ impl F64Lanes for Scalar {
     #[inline(always)]
     fn sqrt(self, a: f64) -> f64 {
         a.sqrt()
+    }
+
+    #[inline(always)]
+    fn split(self, a: f64) -> [f64; 2] {
+        let shifted = a.to_bits().wrapping_add(TO_LEAST_MANTISSA);
+        let exponent = f64::from_bits((shifted >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + EXPONENT_BIAS);
+        [exponent, f64::from_bits((shifted & FRACTION) + LEAST_MANTISSA)]
     }
 
     #[inline(always)]

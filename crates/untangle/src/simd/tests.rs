@@ -8,7 +8,7 @@ use super::{F32_LANES, F32x8Lanes, F64_LANES, F64Lanes, InstructionSet, Portable
 /// The bits of all operations on rows of double precision.
 fn f64_bits<L: F64Lanes>(simd: L, [a, b]: [&[f64; F64_LANES]; 2]) -> Vec<u64> {
     let mut bits = Vec::new();
-    for operation in 0..9 {
+    for operation in 0..11 {
         let mut row = [0.0; F64_LANES];
         for first in (0..F64_LANES).step_by(L::WIDTH) {
             let (x, y) = (simd.load(a, first), simd.load(b, first));
@@ -21,6 +21,7 @@ fn f64_bits<L: F64Lanes>(simd: L, [a, b]: [&[f64; F64_LANES]; 2]) -> Vec<u64> {
                 5 => simd.min(x, y),
                 6 => simd.max(x, y),
                 7 => simd.select(x, y, simd.splat(0.1)),
+                8 | 9 => simd.split(simd.abs(x))[operation - 8],
                 _ => simd.cross([x, y, x], [y, x, y])[0],
             };
             simd.store(result, &mut row, first);

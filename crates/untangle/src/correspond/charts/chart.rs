@@ -45,6 +45,8 @@ pub struct ChartKind {
 pub(crate) struct Chart {
     patch: Patch,
     shapes: Vec<Shape>,
+    /// Places of the vertices in a smooth chart.
+    places: Vec<Point2<f64>>,
     unfolding: Unfolding,
     cut: Cut,
     is_cut: bool,
@@ -75,34 +77,52 @@ impl Chart {
     ///
     /// Cost: O(n) in the faces where the patch unfolds, else that of two sparse factorisations.
     pub(crate) fn build(&mut self, mesh: &Mesh, frame: &Frame) -> Option<ChartKind> {
-        let source = shapes::measure(mesh, frame, &self.patch, &mut self.shapes);
-        if !self.unfolding.unfold(mesh, &self.patch, &self.shapes) {
-            return None;
-        }
-        self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open(mesh);
-        let relaxed = self.unfolding.misfit > LARGEST_MISFIT
-            && self.parameterization.flatten(&self.patch, &self.shapes, &mut self.unfolding);
-        if relaxed {
-            self.unfolding.measure_length(&self.patch);
-        }
+        self.patch.connect(mesh);
+        let mut relaxed = false;
+        let source = if shapes::smooth_places(mesh, &self.patch, &mut self.places) {
+            self.is_cut = false;
+            self.unfolding.take(&self.patch, &self.places);
+            ShapeSource::Uvs
+        } else {
+            let source = shapes::measure(mesh, frame, &self.patch, &mut self.shapes);
+            relaxed = self.flatten(source)?;
+            source
+        };
         self.scale_to_metres(frame)?;
         self.period = if self.is_cut { self.unfolded_cut().fit_period() } else { None };
         self.fill_locator();
         Some(ChartKind { source, relaxed, cut: self.is_cut })
     }
 
+    /// Lays the shapes of the faces side by side, and says whether they had to be changed. Nothing for one-sided
+    /// patches.
+    fn flatten(&mut self, source: ShapeSource) -> Option<bool> {
+        if !self.unfolding.unfold(&self.patch, &self.shapes) {
+            return None;
+        }
+        self.is_cut = self.unfolding.misfit > LARGEST_MISFIT && self.cut_open();
+        // Lengths of one world agree along common sides, texture coordinates beyond a seam need not.
+        let has_one_scale = source != ShapeSource::Uvs;
+        let relaxed = self.unfolding.misfit > LARGEST_MISFIT
+            && self.parameterization.flatten(&self.patch, &self.shapes, has_one_scale, &mut self.unfolding);
+        if relaxed {
+            self.unfolding.measure_length(&self.patch);
+        }
+        Some(relaxed)
+    }
+
     /// Cuts a patch that closes on itself open, and unfolds it again. False, with the patch whole, where it needs no
     /// cut.
-    fn cut_open(&mut self, mesh: &Mesh) -> bool {
-        if !self.cut.find(mesh, &self.patch, &self.unfolding) {
+    fn cut_open(&mut self) -> bool {
+        if !self.cut.find(&self.patch, &self.unfolding) {
             return false;
         }
-        self.patch.cut(mesh, &self.cut.sides);
-        if self.unfolding.unfold(mesh, &self.patch, &self.shapes) && self.unfolded_cut().gap() > WIDE_GAP {
+        self.patch.cut(&self.cut.sides);
+        if self.unfolding.unfold(&self.patch, &self.shapes) && self.unfolded_cut().gap() > WIDE_GAP {
             return true;
         }
         self.patch.undo_cut();
-        self.unfolding.unfold(mesh, &self.patch, &self.shapes);
+        self.unfolding.unfold(&self.patch, &self.shapes);
         false
     }
 

@@ -7,7 +7,6 @@
 //! winds round.
 
 use super::{patch::Patch, unfolding::Unfolding};
-use crate::mesh::Mesh;
 
 /// A cut, and the memory to find it.
 #[derive(Debug, Default)]
@@ -28,7 +27,7 @@ impl Cut {
     /// Finds the cut of an unfolded patch. False where it needs none: the patch is a disc, or closed without a handle.
     ///
     /// Cost: linear in the faces.
-    pub(super) fn find(&mut self, mesh: &Mesh, patch: &Patch, unfolding: &Unfolding) -> bool {
+    pub(super) fn find(&mut self, patch: &Patch, unfolding: &Unfolding) -> bool {
         self.edges.clear();
         self.sides.clear();
         self.sides.resize(patch.faces().len(), [false; 3]);
@@ -36,7 +35,7 @@ impl Cut {
         self.degrees.resize(patch.vertices().len(), 0);
         self.edges_xor.clear();
         self.edges_xor.resize(patch.vertices().len(), 0);
-        self.collect_cotree(mesh, patch, unfolding);
+        self.collect_cotree(patch, unfolding);
         self.prune(patch);
         let mut is_pruned = self.is_pruned.iter();
         self.edges.retain(|_| is_pruned.next() == Some(&false));
@@ -47,10 +46,10 @@ impl Cut {
     }
 
     /// Makes the graph of all sides that the tree does not cross, with the outline.
-    fn collect_cotree(&mut self, mesh: &Mesh, patch: &Patch, unfolding: &Unfolding) {
+    fn collect_cotree(&mut self, patch: &Patch, unfolding: &Unfolding) {
         for (face, corners) in patch.corners().iter().enumerate().filter(|&(face, _)| unfolding.is_reached(face)) {
             for side in 0..3 {
-                let neighbour = patch.neighbour(mesh, face, side);
+                let neighbour = patch.neighbour(face, side);
                 if neighbour.is_some_and(|neighbour| neighbour.face < face) || unfolding.tree[face][side] {
                     continue;
                 }
@@ -105,11 +104,12 @@ mod tests {
     fn cut(mesh: &Mesh) -> (Patch, Cut, bool) {
         let mut patch = Patch::default();
         patch.start(mesh, mesh.face_ids());
+        patch.connect(mesh);
         let shapes = vec![[Point2::origin(), Point2::new(1.0, 0.0), Point2::new(0.0, 1.0)]; mesh.num_faces()];
         let mut unfolding = Unfolding::default();
-        assert!(unfolding.unfold(mesh, &patch, &shapes));
+        assert!(unfolding.unfold(&patch, &shapes));
         let mut cut = Cut::default();
-        let found = cut.find(mesh, &patch, &unfolding);
+        let found = cut.find(&patch, &unfolding);
         (patch, cut, found)
     }
 
@@ -125,13 +125,13 @@ mod tests {
         let (mut patch, found, is_cut) = cut(&mesh);
         assert!(is_cut && found.edges.len() >= 5);
         let before = patch.vertices().len();
-        patch.cut(&mesh, &found.sides);
+        patch.cut(&found.sides);
         // The vertices along the cut come twice, and the cut patch has the Euler number of a disc.
         assert_eq!(patch.vertices().len(), before + found.edges.len() + 1);
         let (mut inner, mut rim) = (0, 0);
         for face in 0..patch.faces().len() {
             for side in 0..3 {
-                if patch.neighbour(&mesh, face, side).is_some() { inner += 1 } else { rim += 1 }
+                if patch.neighbour(face, side).is_some() { inner += 1 } else { rim += 1 }
             }
         }
         assert_eq!(patch.vertices().len() + patch.faces().len(), inner / 2 + rim + 1);

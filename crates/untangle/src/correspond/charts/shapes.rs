@@ -47,6 +47,18 @@ pub(super) fn measure(mesh: &Mesh, frame: &Frame, patch: &Patch, shapes: &mut Ve
     ShapeSource::Current
 }
 
+/// Writes the place of each vertex of a patch in the smooth chart of its piece. False where there is none, or a face is
+/// not usable there.
+pub(super) fn smooth_places(mesh: &Mesh, patch: &Patch, places: &mut Vec<Point2<f64>>) -> bool {
+    if mesh.uvs().is_none() {
+        return false;
+    }
+    places.clear();
+    places.extend(patch.vertices().iter().map_while(|&vertex| mesh.chart_place(vertex).map(Point2::from)));
+    places.len() == patch.vertices().len()
+        && patch.corners().iter().all(|corners| is_usable(&corners.map(|corner| places[corner as usize])))
+}
+
 /// The sides of a shape as vectors, side `k` from corner `k` to the next.
 pub(super) fn sides_of(shape: &Shape) -> [Vector2<f64>; 3] {
     [shape[1] - shape[0], shape[2] - shape[1], shape[0] - shape[2]]

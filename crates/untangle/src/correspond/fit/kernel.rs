@@ -1,70 +1,74 @@
 //! The thin-plate kernel `r^2 log r`, several centres at a time: most of the time of a fit goes into its logarithms.
 //!
-//! Vectorised or not, the operations and their order are the same, none of them fused: so the answer does not depend on
-//! the processor.
+//! Each instruction set does the same operations lane by lane, none of them fused: so the answer does not depend on the
+//! processor.
 
 use nalgebra::{Point2, Vector2};
 
-use crate::simd::{InstructionSet, Task, dispatch};
+use crate::{
+    correspond::linalg::Row,
+    simd::{F64_LANES, F64Lanes, InstructionSet, Lanes, Task, dispatch},
+};
 
-/// Centres that go through the kernel together. The loops over them have no fixed length, or the compiler would unroll
-/// instead of vectorising them.
-const CHUNK: usize = 64;
-/// Number of partial sums, so that a vector of them can be added at once.
-const LANES: usize = 4;
-/// Bits of the root of 1/2: mantissas lie between it and the root of 2, so that their logarithms are small.
-const LEAST_MANTISSA: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
-const ONE: u64 = 1f64.to_bits();
-const FRACTION: u64 = (1 << 52) - 1;
-/// A small whole number in the last bits of this one adds itself to the value.
-const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
+/// With `f = (m - 1) / (m + 1)`, `log m = f (2 + C0 f^2 + C1 f^4 + ...)`: the least-maximum coefficients of FreeBSD's
+/// `e_log.c` (Sun Microsystems 1993), which are exact to 2^-58 for mantissas `m` between the roots of 1/2 and 2.
+const LOGARITHM: [f64; 7] = [
+    6.666_666_666_666_735e-1,
+    3.999_999_999_940_942e-1,
+    2.857_142_874_366_239e-1,
+    2.222_219_843_214_978_4e-1,
+    1.818_357_216_161_805e-1,
+    1.531_383_769_920_937_3e-1,
+    1.479_819_860_511_658_6e-1,
+];
 
 /// `r^2 log r` from the square of `r`; zero for zero.
 ///
-/// With `r^2 = 2^e m` and `f = (m - 1) / (m + 1)`, `log r^2 = e log 2 + 2 (f + f^3/3 + f^5/5 + ...)`, `|f| < 0.172`:
-/// ten terms are exact to the last bit or two. The standard library's logarithm is a call, which keeps the loop round
-/// it from being vectorised.
+/// Half of `r^2 log r^2`, the logarithm by exponent and mantissa. That of the standard library is a call for each lane.
 #[inline(always)]
-fn kernel(squared: f64) -> f64 {
-    let shifted = squared.to_bits().wrapping_add(ONE - LEAST_MANTISSA);
-    let mantissa = f64::from_bits((shifted & FRACTION) + LEAST_MANTISSA);
-    let exponent = f64::from_bits((shifted >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + 1023.0);
-    let f = (mantissa - 1.0) / (mantissa + 1.0);
-    let square = f * f;
-    let mut series = 1.0 / 19.0;
-    for odd in [17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
-        series = series * square + 1.0 / odd;
+fn kernel<L: F64Lanes>(simd: L, squared: L::Vector) -> L::Vector {
+    let [exponent, mantissa] = simd.split(squared);
+    let one = simd.splat(1.0);
+    let f = simd.div(simd.sub(mantissa, one), simd.add(mantissa, one));
+    let square = simd.mul(f, f);
+    let mut series = simd.splat(0.5 * LOGARITHM[6]);
+    for coefficient in [5, 4, 3, 2, 1, 0].map(|k: usize| LOGARITHM[k]) {
+        series = simd.add(simd.mul(series, square), simd.splat(0.5 * coefficient));
     }
-    squared * (0.5 * std::f64::consts::LN_2 * exponent + f * series)
+    series = simd.add(simd.mul(series, square), one);
+    let whole = simd.mul(simd.splat(0.5 * std::f64::consts::LN_2), exponent);
+    simd.mul(squared, simd.add(whole, simd.mul(f, series)))
 }
 
-/// Centres with two weights each, padded with centres of weight zero to whole [`LANES`].
+/// Centres with two weights each, padded with centres of weight zero to whole rows of lanes.
 #[derive(Debug, Default)]
 pub(crate) struct WeightedCentres {
-    places: [Vec<f64>; 2],
+    count: usize,
+    places: [Vec<Row>; 2],
     /// One for each coordinate of the value.
-    weights: [Vec<f64>; 2],
+    weights: [Vec<Row>; 2],
 }
 
 impl WeightedCentres {
     /// Takes centres, all of weight zero.
     pub(crate) fn set(&mut self, centres: &[Point2<f64>]) {
-        let size = centres.len().next_multiple_of(LANES);
-        for (axis, places) in self.places.iter_mut().enumerate() {
-            places.clear();
-            places.extend(centres.iter().map(|centre| centre[axis]));
-            places.resize(size, 0.0);
+        self.count = centres.len();
+        let num_rows = centres.len().div_ceil(F64_LANES);
+        for rows in self.places.iter_mut().chain(&mut self.weights) {
+            rows.clear();
+            rows.resize(num_rows, [0.0; F64_LANES]);
         }
-        for weights in &mut self.weights {
-            weights.clear();
-            weights.resize(size, 0.0);
+        for (axis, places) in self.places.iter_mut().enumerate() {
+            for (place, centre) in places.as_flattened_mut().iter_mut().zip(centres) {
+                *place = centre[axis];
+            }
         }
     }
 
     /// Gives the centres weights, one for each.
     pub(crate) fn weigh(&mut self, weights: &[Vector2<f64>]) {
         for (axis, slots) in self.weights.iter_mut().enumerate() {
-            for (slot, weight) in slots.iter_mut().zip(weights) {
+            for (slot, weight) in slots.as_flattened_mut().iter_mut().zip(weights) {
                 *slot = weight[axis];
             }
         }
@@ -75,18 +79,11 @@ impl WeightedCentres {
         dispatch(Sums { centres: self, points });
     }
 
-    /// Writes the kernels of all centres at a point, in the order of the centres.
-    pub(crate) fn row(&self, point: Point2<f64>, row: &mut [f64]) {
-        dispatch(Row { centres: self, point, row });
-    }
-}
-
-/// Writes the kernels at a point of as many centres as there are values.
-#[inline(always)]
-fn kernels(point: Point2<f64>, xs: &[f64], ys: &[f64], values: &mut [f64]) {
-    for ((value, x), y) in values.iter_mut().zip(xs).zip(ys) {
-        let (x, y) = (point.x - x, point.y - y);
-        *value = kernel(x * x + y * y);
+    /// Writes the matrix of the kernels of all centres at each of them, column by column, each padded with zeros to
+    /// whole rows of lanes.
+    pub(crate) fn matrix(&self, columns: &mut Vec<Row>) {
+        columns.resize(self.count * self.places[0].len(), [0.0; F64_LANES]);
+        dispatch(Matrix { centres: self, columns });
     }
 }
 
@@ -97,82 +94,113 @@ struct Sums<'a> {
 
 impl Task for Sums<'_> {
     #[inline(always)]
-    fn run<S: InstructionSet>(self, _: S) {
-        let WeightedCentres { places: [xs, ys], weights } = self.centres;
-        let mut buffer = [0.0; CHUNK];
+    fn run<S: InstructionSet>(self, simd: S) {
+        let simd = simd.f64();
         for point in self.points {
-            let mut sums = [[0.0; LANES]; 2];
-            for start in (0..xs.len()).step_by(CHUNK) {
-                let end = (start + CHUNK).min(xs.len());
-                let values = &mut buffer[..end - start];
-                kernels(*point, &xs[start..end], &ys[start..end], values);
-                for (sums, weights) in sums.iter_mut().zip(weights) {
-                    for (values, weights) in values.chunks_exact(LANES).zip(weights[start..end].chunks_exact(LANES)) {
-                        for lane in 0..LANES {
-                            sums[lane] += weights[lane] * values[lane];
-                        }
-                    }
-                }
-            }
+            let mut sums = [[0.0; F64_LANES]; 2];
+            add_kernels(simd, self.centres, *point, &mut sums);
             let [x, y] = sums.map(|lanes| lanes.iter().sum());
             *point = Point2::new(x, y);
         }
     }
 }
 
-struct Row<'a> {
-    centres: &'a WeightedCentres,
-    point: Point2<f64>,
-    row: &'a mut [f64],
+/// Sums up the weighted kernels at a point, lane by lane.
+#[inline(always)]
+fn add_kernels<L: F64Lanes>(simd: L, centres: &WeightedCentres, point: Point2<f64>, sums: &mut [Row; 2]) {
+    let WeightedCentres { places: [xs, ys], weights: [us, vs], .. } = centres;
+    let [x, y] = [simd.splat(point.x), simd.splat(point.y)];
+    for first in (0..F64_LANES).step_by(L::WIDTH) {
+        let [mut u, mut v] = [simd.splat(0.0); 2];
+        for (((xs, ys), us), vs) in xs.iter().zip(ys).zip(us).zip(vs) {
+            let value = kernel_between(simd, [x, y], [xs, ys], first);
+            u = simd.add(u, simd.mul(simd.load(us, first), value));
+            v = simd.add(v, simd.mul(simd.load(vs, first), value));
+        }
+        simd.store(u, &mut sums[0], first);
+        simd.store(v, &mut sums[1], first);
+    }
 }
 
-impl Task for Row<'_> {
+/// The kernels of some centres at a point.
+#[inline(always)]
+fn kernel_between<L: F64Lanes>(simd: L, [x, y]: [L::Vector; 2], [xs, ys]: [&Row; 2], first: usize) -> L::Vector {
+    let [x, y] = [simd.sub(x, simd.load(xs, first)), simd.sub(y, simd.load(ys, first))];
+    kernel(simd, simd.add(simd.mul(x, x), simd.mul(y, y)))
+}
+
+struct Matrix<'a> {
+    centres: &'a WeightedCentres,
+    columns: &'a mut [Row],
+}
+
+impl Task for Matrix<'_> {
     #[inline(always)]
-    fn run<S: InstructionSet>(self, _: S) {
-        kernels(self.point, &self.centres.places[0], &self.centres.places[1], self.row);
+    fn run<S: InstructionSet>(self, simd: S) {
+        let simd = simd.f64();
+        let WeightedCentres { count, places: [xs, ys], .. } = self.centres;
+        let points = xs.as_flattened().iter().zip(ys.as_flattened());
+        for ((&x, &y), column) in points.zip(self.columns.chunks_exact_mut(xs.len().max(1))) {
+            let point = [simd.splat(x), simd.splat(y)];
+            for ((xs, ys), row) in xs.iter().zip(ys).zip(&mut *column) {
+                for first in (0..F64_LANES).step_by(<S::F64 as F64Lanes>::WIDTH) {
+                    simd.store(kernel_between(simd, point, [xs, ys], first), row, first);
+                }
+            }
+            column.as_flattened_mut()[*count..].fill(0.0);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::Portable;
+
+    fn scalar_kernel(squared: f64) -> f64 {
+        kernel(Portable.f64(), squared)
+    }
 
     #[test]
     fn kernel_over_all_magnitudes_agrees_with_standard_logarithm() {
-        assert!(kernel(0.0).abs() < f64::MIN_POSITIVE);
+        assert!(scalar_kernel(0.0).abs() < f64::MIN_POSITIVE);
         let mut worst: f64 = 0.0;
         for k in 0..20_000 {
             let squared = 10f64.powf(f64::from(k) * 0.03 - 300.0);
             let expected = 0.5 * squared * squared.ln();
-            let found = kernel(squared);
+            let found = scalar_kernel(squared);
             // Near 1 the logarithm is small against its argument: there the error is one of the argument.
             worst = worst.max((found - expected).abs() / (expected.abs() + squared));
         }
         assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");
-        assert!(kernel(f64::NAN).is_nan() && kernel(f64::INFINITY).is_infinite());
+        assert!(scalar_kernel(f64::NAN).is_nan() && scalar_kernel(f64::INFINITY).is_infinite());
     }
 
     #[test]
-    fn kernel_sums_over_centres_that_do_not_fill_all_lanes_agree_with_rows() {
+    fn kernel_sums_over_centres_that_do_not_fill_all_lanes_agree_with_the_matrix() {
         let centres: Vec<_> = (0..135).map(|k| Point2::new(f64::from(k), 0.5 * f64::from(k * k))).collect();
         let weights: Vec<_> = (0..135).map(|k| Vector2::new(1.0 - f64::from(k), 0.1 * f64::from(k))).collect();
         let mut weighted = WeightedCentres::default();
         weighted.set(&centres);
         weighted.weigh(&weights);
-        let point = Point2::new(3.0, 4.5);
-        let mut row = [f64::NAN; 135];
-        weighted.row(point, &mut row);
-        let mut expected = Vector2::zeros();
-        for ((centre, weight), entry) in centres.iter().zip(&weights).zip(row) {
-            let squared = (point - centre).norm_squared();
-            let value = if squared > 0.0 { 0.5 * squared * squared.ln() } else { 0.0 };
-            assert!((entry - value).abs() <= 1e-15 * squared * 10.0);
-            expected += weight * value;
-        }
-        let mut sums = [point; 2];
-        weighted.sums(&mut sums);
-        for sum in sums {
-            assert!((sum.coords - expected).norm() < 1e-12 * expected.norm());
+        let mut matrix = Vec::new();
+        weighted.matrix(&mut matrix);
+        let columns = matrix.as_flattened().chunks_exact(136);
+        assert_eq!(columns.len(), 135);
+        for (point, column) in centres.iter().zip(columns) {
+            let mut expected = Vector2::zeros();
+            for ((centre, weight), &entry) in centres.iter().zip(&weights).zip(column) {
+                let squared = (point - centre).norm_squared();
+                let value = if squared > 0.0 { 0.5 * squared * squared.ln() } else { 0.0 };
+                assert!((entry - value).abs() <= 1e-15 * squared * 10.0);
+                expected += weight * value;
+            }
+            assert!(column[135].abs() < f64::MIN_POSITIVE);
+            let mut sums = [*point; 2];
+            weighted.sums(&mut sums);
+            for sum in sums {
+                assert!((sum.coords - expected).norm() < 1e-12 * expected.norm());
+            }
         }
     }
 }

@@ -77,19 +77,12 @@ impl ThinPlate {
         self.values.extend(values.iter().map(|&value| self.to.apply(value).coords));
         self.weighted.set(&self.centres);
         let Self { weighted, centres, values, .. } = self;
-        let Some(solution) = self.system.solve(centres, values, |centre, row| weighted.row(centre, row)) else {
+        let Some(solution) = self.system.solve(centres, values, |columns| weighted.matrix(columns)) else {
             return false;
         };
         self.polynomial = solution.polynomial;
         weighted.weigh(solution.weights);
         solution.weights.iter().chain(&solution.polynomial).all(|weight| weight.iter().all(|value| value.is_finite()))
-    }
-
-    /// The image of a point.
-    pub(crate) fn evaluate(&self, point: Point2<f64>) -> Point2<f64> {
-        let mut image = [self.from.apply(point)];
-        self.weighted.sums(&mut image);
-        self.finish(point, image[0])
     }
 
     /// The images of some points.
@@ -118,6 +111,16 @@ impl ThinPlate {
     /// the ratio of the largest to the smallest pivot.
     pub(crate) fn condition(&self) -> f64 {
         self.system.condition()
+    }
+}
+
+#[cfg(test)]
+impl ThinPlate {
+    /// The image of a point.
+    pub(crate) fn evaluate(&self, point: Point2<f64>) -> Point2<f64> {
+        let mut images = Vec::new();
+        self.evaluate_all(&[point], &mut images);
+        images[0]
     }
 }
 

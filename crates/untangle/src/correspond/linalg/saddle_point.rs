@@ -6,31 +6,38 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::pivoted::factorise_pivoted;
+use super::{
+    pivoted::factorise_pivoted,
+    reflections::{AFFINE, Reflections},
+    rows::{self, Row},
+    triangular::solve_leading,
+};
+use crate::simd::F64_LANES;
 
 /// Pivots below this part of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-11;
 
 /// Solves the system `K w + P a = v`, `P^T w = 0` in memory of its own, where row i of `P` is `(1, x_i, y_i)`.
+///
+/// Matrices are kept column by column, each padded with zeros to whole rows of lanes.
 #[derive(Debug, Default)]
 pub(crate) struct SaddlePoint {
-    /// `K` column by column, then the reflected matrix.
-    kernels: Vec<f64>,
-    /// The block of it that belongs to weights without an affine part, column by column, then its factor.
-    inner: Vec<f64>,
-    /// An orthogonal basis of the affine functions at the centres, then the vectors of the reflections, with zeros
-    /// before their pivots.
-    affine: [Vec<f64>; 3],
-    /// For each of them its coefficients of 1, x and y.
-    coefficients: [[f64; 3]; 3],
-    product: Vec<f64>,
+    /// `K`, then the lower half of the reflected matrix.
+    kernels: Vec<Row>,
+    /// The block of it that belongs to weights without an affine part, then its factor.
+    inner: Vec<Row>,
+    /// What splits the affine functions off.
+    reflections: Reflections,
+    /// For each of an orthogonal basis of the affine functions its coefficients of 1, x and y.
+    coefficients: [[f64; AFFINE]; AFFINE],
     /// The reflected values.
     right_sides: Vec<Vector2<f64>>,
     weights: Vec<Vector2<f64>>,
     /// The pivoting.
     order: Vec<usize>,
-    /// Scratch of the factorisation.
-    diagonal: Vec<f64>,
+    /// Scratch of the factorisation, and both coordinates of what is to be solved for, in the order of its pivots.
+    diagonal: Vec<Row>,
+    unknowns: [Vec<Row>; 2],
     rank: usize,
     condition: f64,
 }
@@ -45,50 +52,45 @@ pub(crate) struct Solution<'a> {
 }
 
 impl SaddlePoint {
-    /// Solves for centres with mean 0. `row` writes the kernels of all centres at one of them. Weights and affine
-    /// functions without a pivot are zero. Nothing where numbers overflow.
+    /// Solves for centres with mean 0. `kernels` writes the matrix of the kernels of all centres at each of them, each
+    /// column padded to whole rows of lanes. Weights and affine functions without a pivot are zero. Nothing where
+    /// numbers overflow.
     ///
     /// Cost: n^3 / 3 multiplications for n centres.
     pub(crate) fn solve(
         &mut self,
         centres: &[Point2<f64>],
         values: &[Vector2<f64>],
-        row: impl Fn(Point2<f64>, &mut [f64]),
+        kernels: impl FnOnce(&mut Vec<Row>),
     ) -> Option<Solution<'_>> {
         let size = centres.len();
-        self.kernels.resize(size * size, 0.0);
-        for (&centre, column) in centres.iter().zip(self.kernels.chunks_exact_mut(size)) {
-            row(centre, column);
-        }
+        kernels(&mut self.kernels);
         self.right_sides.clear();
         self.right_sides.extend_from_slice(values);
         let num_affine = self.span(centres);
-        // Upper triangle of the reflected affine functions.
-        let mut upper = [[0.0; 3]; 3];
-        for step in 0..num_affine {
-            self.reflect(step, num_affine, &mut upper);
-        }
+        self.reflections.find(num_affine, size);
+        self.reflections.apply_to_values(&mut self.right_sides);
+        self.reflections.apply_to_matrix(&mut self.kernels);
         let inner_rank = self.factorise(num_affine)?;
         self.rank = inner_rank + 2 * num_affine;
 
-        self.weights.clear();
-        self.weights.resize(size, Vector2::zeros());
         self.substitute(num_affine, inner_rank);
-        let mut affine = [Vector2::zeros(); 3];
+        let stride = size.next_multiple_of(F64_LANES);
+        let upper = &self.reflections.upper;
+        let mut affine = [Vector2::zeros(); AFFINE];
         for k in (0..num_affine).rev() {
             let mut rest = self.right_sides[k];
-            for (slot, weight) in self.weights.iter().enumerate().skip(num_affine) {
-                rest -= weight * self.kernels[k * size + slot];
+            let column = &self.kernels.as_flattened()[k * stride..k * stride + size];
+            for (weight, kernel) in self.weights.iter().zip(column).skip(num_affine) {
+                rest -= weight * *kernel;
             }
             for column in k + 1..num_affine {
                 rest -= affine[column] * upper[column][k];
             }
             affine[k] = rest / upper[k][k];
         }
-        for step in (0..num_affine).rev() {
-            reflect_values(&self.affine[step], step, &mut self.weights);
-        }
-        let mut polynomial = [Vector2::zeros(); 3];
+        self.reflections.undo_on_values(&mut self.weights);
+        let mut polynomial = [Vector2::zeros(); AFFINE];
         for (value, coefficients) in affine.iter().zip(&self.coefficients).take(num_affine) {
             for (sum, coefficient) in polynomial.iter_mut().zip(coefficients) {
                 *sum += value * *coefficient;
@@ -109,7 +111,7 @@ impl SaddlePoint {
     }
 
     /// Writes an orthogonal basis of the affine functions: constant, along the main direction of the centres, across
-    /// it; without the last where they lie on a line. Returns how many there are.
+    /// it. Returns how many there are: without the last where they lie on a line.
     fn span(&mut self, centres: &[Point2<f64>]) -> usize {
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for centre in centres {
@@ -119,69 +121,44 @@ impl SaddlePoint {
         }
         let [cos, sin] = main_direction(xx - yy, 2.0 * xy);
         self.coefficients = [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -sin, cos]];
-        let mut lengths = [0.0; 3];
-        for ((column, [one, x, y]), length) in self.affine.iter_mut().zip(self.coefficients).zip(&mut lengths) {
-            column.clear();
-            column.extend(centres.iter().map(|centre| one + x * centre.x + y * centre.y));
-            *length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let mut lengths = [0.0; AFFINE];
+        let columns = self.reflections.columns.iter_mut().zip(self.coefficients);
+        for ((column, [one, x, y]), length) in columns.zip(&mut lengths) {
+            rows::clear(column, centres.len());
+            for (slot, centre) in column.as_flattened_mut().iter_mut().zip(centres) {
+                *slot = one + x * centre.x + y * centre.y;
+            }
+            *length = column.as_flattened().iter().map(|value| value * value).sum::<f64>().sqrt();
         }
         1 + lengths[1..].iter().take_while(|&&length| length > RANK_TOLERANCE * lengths[0]).count()
-    }
-
-    /// Reflects kernels, affine functions and values so that column `step` of the affine functions has zeros below its
-    /// pivot.
-    fn reflect(&mut self, step: usize, num_affine: usize, upper: &mut [[f64; 3]; 3]) {
-        let size = self.right_sides.len();
-        let column = &mut self.affine[step];
-        upper[step][..step].copy_from_slice(&column[..step]);
-        let length = column[step..].iter().map(|value| value * value).sum::<f64>().sqrt();
-        let pivot = if column[step] > 0.0 { -length } else { length };
-        upper[step][step] = pivot;
-        // A vector of length root 2, so that the reflection is I - v v^T.
-        column[step] -= pivot;
-        let scale = (pivot * column[step]).abs().sqrt().recip();
-        column[..step].fill(0.0);
-        for value in &mut column[step..] {
-            *value *= scale;
-        }
-        let (done, rest) = self.affine.split_at_mut(step + 1);
-        let vector = &done[step];
-        for other in &mut rest[..num_affine - step - 1] {
-            let along = dot(vector, other);
-            add_scaled(other, -along, vector);
-        }
-        reflect_values(vector, step, &mut self.right_sides);
-        // K - v p^T - p v^T with p = K v - v (v . K v) / 2.
-        self.product.clear();
-        self.product.extend(self.kernels.chunks_exact(size).map(|kernels| dot(vector, kernels)));
-        let half = 0.5 * dot(vector, &self.product);
-        add_scaled(&mut self.product, -half, vector);
-        for (slot, kernels) in self.kernels.chunks_exact_mut(size).enumerate() {
-            add_scaled(kernels, -self.product[slot], vector);
-            add_scaled(kernels, -vector[slot], &self.product);
-        }
     }
 
     /// Factorises the kernels without the first `skip` rows and columns, and returns their rank. Nothing where numbers
     /// overflow.
     fn factorise(&mut self, skip: usize) -> Option<usize> {
         let size = self.right_sides.len();
-        let inner = size - skip;
-        self.inner.clear();
-        for column in self.kernels.chunks_exact(size).skip(skip) {
-            self.inner.extend_from_slice(&column[skip..]);
+        let (stride, count) = (size.next_multiple_of(F64_LANES), size - skip);
+        let inner_stride = count.next_multiple_of(F64_LANES);
+        rows::clear(&mut self.inner, count * inner_stride);
+        let columns = self.kernels.as_flattened().chunks_exact(stride).skip(skip);
+        for ((to, from), column) in
+            self.inner.as_flattened_mut().chunks_exact_mut(inner_stride.max(1)).zip(columns).zip(0..)
+        {
+            to[column..count].copy_from_slice(&from[skip + column..size]);
         }
-        if self.inner.iter().any(|value| !value.is_finite()) {
+        let inner = self.inner.as_flattened();
+        if inner.iter().any(|value| !value.is_finite()) {
             return None;
         }
         self.condition = 1.0;
-        if (0..inner).all(|k| self.inner[k * inner + k] <= 0.0) {
+        if (0..count).all(|k| inner[k * inner_stride + k] <= 0.0) {
             // All centres in one place, or as many as there are affine functions: the block is zero or empty.
             return Some(0);
         }
-        self.order.resize(inner, 0);
+        self.order.resize(count, 0);
         let rank = factorise_pivoted(&mut self.inner, &mut self.order, &mut self.diagonal);
-        let pivot = |k: usize| self.inner[k * inner + k].powi(2);
+        let inner = self.inner.as_flattened();
+        let pivot = |k: usize| inner[k * inner_stride + k].powi(2);
         let rank = (0..rank).take_while(|&k| pivot(k) > pivot(0) * RANK_TOLERANCE).count();
         if rank > 0 {
             self.condition = pivot(0) / pivot(rank - 1);
@@ -189,25 +166,24 @@ impl SaddlePoint {
         Some(rank)
     }
 
-    /// Solves for the reflected weights by forward and back substitution in the leading `rank` rows and columns of the
-    /// factor.
+    /// Solves for the reflected weights in the leading `rank` rows and columns of the factor.
     fn substitute(&mut self, skip: usize, rank: usize) {
-        let inner = self.right_sides.len() - skip;
-        let lower = |row: usize, column: usize| self.inner[column * inner + row];
-        let order = &self.order;
-        for row in 0..rank {
-            let mut rest = self.right_sides[skip + order[row]];
-            for (column, &slot) in order[..row].iter().enumerate() {
-                rest -= self.weights[skip + slot] * lower(row, column);
-            }
-            self.weights[skip + order[row]] = rest / lower(row, row);
+        self.weights.clear();
+        self.weights.resize(self.right_sides.len(), Vector2::zeros());
+        if rank == 0 {
+            return;
         }
-        for row in (0..rank).rev() {
-            let mut rest = self.weights[skip + order[row]];
-            for (below, &slot) in order.iter().enumerate().take(rank).skip(row + 1) {
-                rest -= self.weights[skip + slot] * lower(below, row);
+        let order = &self.order[..rank];
+        for (axis, unknowns) in self.unknowns.iter_mut().enumerate() {
+            rows::clear(unknowns, self.order.len());
+            for (slot, &row) in unknowns.as_flattened_mut().iter_mut().zip(order) {
+                *slot = self.right_sides[skip + row][axis];
             }
-            self.weights[skip + order[row]] = rest / lower(row, row);
+        }
+        solve_leading(&self.inner, rank, &mut self.unknowns);
+        let [x, y] = &self.unknowns;
+        for ((&row, &x), &y) in order.iter().zip(x.as_flattened()).zip(y.as_flattened()) {
+            self.weights[skip + row] = Vector2::new(x, y);
         }
     }
 }
@@ -226,36 +202,5 @@ fn main_direction(x: f64, y: f64) -> [f64; 2] {
     } else {
         let sin = (0.5 * (1.0 - x / length)).sqrt().copysign(y);
         [0.5 * (y / length) / sin, sin]
-    }
-}
-
-/// Reflects values: `x - v (v . x)`, where `v` has zeros before `from`.
-fn reflect_values(vector: &[f64], from: usize, values: &mut [Vector2<f64>]) {
-    let mut along = Vector2::zeros();
-    for (part, value) in vector.iter().zip(values.iter()).skip(from) {
-        along += value * *part;
-    }
-    for (part, value) in vector.iter().zip(values).skip(from) {
-        *value -= along * *part;
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four partial sums, so that the loop vectorises.
-    let mut sums = [0.0; 4];
-    let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// `to + factor * values`.
-fn add_scaled(to: &mut [f64], factor: f64, values: &[f64]) {
-    for (to, value) in to.iter_mut().zip(values) {
-        *to += factor * value;
     }
 }

@@ -68,15 +68,12 @@ impl WorkSearch {
         points: &[PathPoint],
         rules: &FillRules<'_>,
     ) -> Option<usize> {
-        let is_unknown = |end: VertexId| flood.side_of(end).is_none() && flood.is_open(end, rules);
-        let mut edges = points.iter().filter_map(|point| match point.own {
+        // Where the path crosses an edge of the larger side twice, the fill need not have come to that edge.
+        let edges = points.iter().filter_map(|point| match point.own {
             SurfacePoint::Edge { edge, .. } => Some(edge),
             _ => None,
         });
-        if edges.any(|edge| view.mesh.edge(edge).into_iter().any(is_unknown)) {
-            // The path crosses an edge of the larger side twice.
-            flood.complete(view.mesh, rules);
-        }
+        flood.reach(view.mesh, rules, edges.flat_map(|edge| view.mesh.edge(edge)));
         let first = flood.smaller();
         let known = self.work(flood, view, points, rules, (first, f64::INFINITY));
         let other = self.work(flood, view, points, rules, (1 - first, known));

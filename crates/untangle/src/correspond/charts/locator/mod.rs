@@ -9,6 +9,8 @@ use crate::mesh::Csr;
 
 /// Triangles for each cell of the grid, on the mean.
 const TRIANGLES_PER_CELL: usize = 4;
+/// Of no more triangles than this each is looked at: a grid would take longer to make.
+const FEW_TRIANGLES: usize = 64;
 /// Outlines of no more sides than this are searched one by one: few points lie outside, and each side in a grid costs
 /// its insertion.
 const SHORT_OUTLINE: usize = 64;
@@ -65,12 +67,18 @@ impl Locator {
     /// than there are faces.
     pub(super) fn finish(&mut self) {
         let Self { triangles, outline, pairs, .. } = self;
-        let grid = Grid::over(triangles.iter().flatten(), triangles.len() / TRIANGLES_PER_CELL);
-        pairs.clear();
-        for (number, [a, b, c]) in (0u32..).zip(&*triangles) {
-            grid.for_cells(a.inf(b).inf(c), a.sup(b).sup(c), |cell| pairs.push((cell, number)));
+        let has_few = triangles.len() <= FEW_TRIANGLES;
+        if has_few && outline.len() <= SHORT_OUTLINE {
+            return;
         }
-        self.triangles_in.fill(grid.num_cells(), pairs.iter().copied());
+        let grid = Grid::over(triangles.iter().flatten(), triangles.len() / TRIANGLES_PER_CELL);
+        if !has_few {
+            pairs.clear();
+            for (number, [a, b, c]) in (0u32..).zip(&*triangles) {
+                grid.for_cells(a.inf(b).inf(c), a.sup(b).sup(c), |cell| pairs.push((cell, number)));
+            }
+            self.triangles_in.fill(grid.num_cells(), pairs.iter().copied());
+        }
         if outline.len() > SHORT_OUTLINE {
             pairs.clear();
             for (number, side) in (0u32..).zip(&*outline) {
@@ -84,10 +92,14 @@ impl Locator {
 
     /// The face that holds a point; of several, the one added first.
     pub(super) fn within(&self, point: Point2<f64>) -> Option<Place> {
-        self.triangles_in.row(self.grid.cell_of(point)).iter().find_map(|&number| {
-            let barycentric = inside(&self.triangles[number as usize], point)?;
-            Some(Place { face: self.faces[number as usize] as usize, barycentric })
-        })
+        let in_triangle = |number: usize| {
+            let barycentric = inside(&self.triangles[number], point)?;
+            Some(Place { face: self.faces[number] as usize, barycentric })
+        };
+        if self.triangles.len() <= FEW_TRIANGLES {
+            return (0..self.triangles.len()).find_map(in_triangle);
+        }
+        self.triangles_in.row(self.grid.cell_of(point)).iter().find_map(|&number| in_triangle(number as usize))
     }
 
     /// The nearest place on the outline, and the square of its distance; of several, the one added first. Nothing where

@@ -10,6 +10,8 @@ mod lscm;
 #[cfg(test)]
 mod tests;
 
+use nalgebra::Complex;
+
 use self::{arap::Arap, flat_faces::FlatFaces, lscm::ConformalMap};
 use super::{patch::Patch, shapes::Shape, unfolding::Unfolding};
 
@@ -20,23 +22,35 @@ pub(super) struct ArapParameterization {
     scales: Vec<f64>,
     conformal: ConformalMap,
     arap: Arap,
+    places: Vec<Complex<f64>>,
 }
 
 impl ArapParameterization {
     /// Replaces the places of an unfolding by those of a map with as little change of shape as possible. False, with
-    /// the places untouched, where a system can't be solved.
+    /// the places untouched, where a system can't be solved. `has_one_scale` says that shapes have the same lengths
+    /// along their common sides.
     ///
-    /// Cost: two sparse factorisations, each for n vertices about O(n^1.5), and one solution for each iteration.
-    pub(super) fn flatten(&mut self, patch: &Patch, shapes: &[Shape], unfolding: &mut Unfolding) -> bool {
-        unfolding.scales(patch, shapes, &mut self.scales);
-        self.parts.take(patch, shapes, unfolding, &self.scales);
-        let points = &mut unfolding.points;
-        let is_solved = !self.parts.faces.is_empty()
+    /// Cost: two sparse factorisations, each for n vertices about O(n^1.5), and one solution for each iteration; linear
+    /// for a patch of a given width.
+    pub(super) fn flatten(
+        &mut self,
+        patch: &Patch,
+        shapes: &[Shape],
+        has_one_scale: bool,
+        unfolding: &mut Unfolding,
+    ) -> bool {
+        if has_one_scale {
+            self.scales.clear();
+            self.scales.resize(shapes.len(), 1.0);
+        } else {
+            unfolding.scales(patch, shapes, &mut self.scales);
+        }
+        let is_solved = self.parts.take(patch, shapes, unfolding, &self.scales)
             && self.arap.factorise(&self.parts)
-            && self.conformal.solve(&self.parts, &self.arap, points)
-            && self.arap.iterate(&self.parts, points);
-        if !is_solved {
-            points.copy_from_slice(&self.parts.start);
+            && self.conformal.solve(&self.parts, &self.arap, &mut self.places)
+            && self.arap.iterate(&self.parts, &mut self.places);
+        if is_solved {
+            self.parts.give_back(&self.places, unfolding);
         }
         is_solved
     }

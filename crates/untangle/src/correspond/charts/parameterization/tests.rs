@@ -36,13 +36,14 @@ fn flattened(num_vertices: usize, faces: Vec<[u32; 3]>, at: impl Fn(usize) -> Po
     let mesh = Mesh::new(MeshDescription { num_vertices, faces, ..Default::default() }).unwrap();
     let mut patch = Patch::default();
     patch.start(&mesh, mesh.face_ids());
+    patch.connect(&mesh);
     let vertices = patch.vertices();
     let shape = |corners: &[u32; 3]| flat_triangle(corners.map(|vertex| at(vertices[vertex as usize].index())));
     let shapes: Vec<Shape> = patch.corners().iter().map(shape).collect();
     let mut unfolding = Unfolding::default();
-    assert!(unfolding.unfold(&mesh, &patch, &shapes));
+    assert!(unfolding.unfold(&patch, &shapes));
     let misfit = unfolding.misfit;
-    assert!(ArapParameterization::default().flatten(&patch, &shapes, &mut unfolding));
+    assert!(ArapParameterization::default().flatten(&patch, &shapes, true, &mut unfolding));
     let (worst, is_injective) = quality(&patch, &shapes, &unfolding);
     (worst, is_injective, misfit)
 }

@@ -1,9 +1,13 @@
 //! A part of the cloth round a path, with vertex numbers of its own.
 
-use crate::{
-    mesh::{FaceId, Mesh, VertexId},
-    sparse_map::SparseMap,
+mod numbering;
+mod sides;
+
+use self::{
+    numbering::{Numbering, narrow},
+    sides::{CommonSides, ends_of},
 };
+use crate::mesh::{FaceId, Mesh, VertexId};
 
 /// Marks slots of the cut that have no vertex yet.
 const ABSENT: u32 = u32::MAX;
@@ -13,12 +17,13 @@ const ABSENT: u32 = u32::MAX;
 /// Cost: a patch costs its faces, not those of the mesh.
 #[derive(Debug, Default)]
 pub(crate) struct Patch {
-    /// For each face of the patch its number here.
-    faces: SparseMap<FaceId, u32>,
+    faces: Numbering<FaceId>,
     corners: Vec<[u32; 3]>,
+    /// The vertices, and behind them the copies that a cut makes.
     vertices: Vec<VertexId>,
     num_seeds: usize,
-    vertex_numbers: SparseMap<VertexId, u32>,
+    sides: CommonSides,
+    vertex_numbers: Numbering<VertexId>,
     /// Vertices before a cut doubled some of them, and for each added one the vertex it is a copy of.
     num_whole: usize,
     copied_from: Vec<u32>,
@@ -44,8 +49,8 @@ pub(super) struct Neighbour {
 impl Patch {
     /// Replaces the patch by the faces of a path, in the order of the path, each once: the seeds.
     pub(crate) fn start(&mut self, mesh: &Mesh, path_faces: impl Iterator<Item = FaceId>) {
-        self.faces.reset(mesh.num_faces());
-        self.vertex_numbers.reset(mesh.num_vertices());
+        self.faces.clear();
+        self.vertex_numbers.clear();
         self.vertices.clear();
         self.corners.clear();
         self.add_faces(mesh, path_faces);
@@ -90,44 +95,44 @@ impl Patch {
     }
 
     fn add_face(&mut self, mesh: &Mesh, face: FaceId) {
-        if self.faces.contains(face) {
+        if !self.faces.number(face).1 {
             return;
         }
-        self.faces.set(face, narrow(self.corners.len()));
-        let corners =
-            mesh.face(face).map(|vertex| self.vertex_numbers.get(vertex).unwrap_or_else(|| self.add_vertex(vertex)));
+        let corners = mesh.face(face).map(|vertex| {
+            let (number, is_new) = self.vertex_numbers.number(vertex);
+            if is_new {
+                self.vertices.push(vertex);
+            }
+            number
+        });
         self.corners.push(corners);
     }
 
-    fn add_vertex(&mut self, vertex: VertexId) -> u32 {
-        let number = narrow(self.vertices.len());
-        self.vertex_numbers.set(vertex, number);
-        self.vertices.push(vertex);
-        number
+    /// Finds the neighbours of all faces, once the patch holds all of them.
+    ///
+    /// Cost: linear in the faces.
+    pub(super) fn connect(&mut self, mesh: &Mesh) {
+        if mesh.is_manifold() {
+            self.sides.join_common(&self.corners, self.vertices.len());
+        } else {
+            self.sides.join_along_edges(mesh, &self.faces, &self.corners);
+        }
     }
 
     /// The neighbour across a side of a face. Nothing on the outline of the patch, beyond a non-manifold edge and
     /// across a cut.
-    pub(super) fn neighbour(&self, mesh: &Mesh, face: usize, side: usize) -> Option<Neighbour> {
-        let edge = mesh.face_edges(self.faces()[face])?[side];
-        let &[one, other] = mesh.edge_faces(edge) else { return None };
-        let next = self.local_face(if one == self.faces()[face] { other } else { one })?;
-        let here = &self.corners[face];
-        let (a, b) = (here[side], here[(side + 1) % 3]);
-        let there = &self.corners[next];
-        for side in 0..3 {
-            let (c, d) = (there[side], there[(side + 1) % 3]);
-            if (a, b) == (d, c) || (a, b) == (c, d) {
-                return Some(Neighbour { face: next, side, is_same_way: a == c });
-            }
-        }
-        None
+    pub(super) fn neighbour(&self, face: usize, side: usize) -> Option<Neighbour> {
+        let (next, there) = self.sides.beyond(face, side)?;
+        let ends = ends_of(&self.corners[face], side);
+        let [c, d] = ends_of(&self.corners[next], there);
+        let is_same_way = ends == [c, d];
+        (is_same_way || ends == [d, c]).then_some(Neighbour { face: next, side: there, is_same_way })
     }
 
     /// Cuts the patch along sides of its faces: a vertex on the cut gets a copy for each further sector of faces round
     /// it that the cut leaves connected.
-    pub(super) fn cut(&mut self, mesh: &Mesh, sides: &[[bool; 3]]) {
-        self.join_sectors(mesh, sides);
+    pub(super) fn cut(&mut self, sides: &[[bool; 3]]) {
+        self.join_sectors(sides);
         self.num_whole = self.vertices.len();
         self.copied_from.clear();
         self.vertex_of_sector.clear();
@@ -150,12 +155,12 @@ impl Patch {
     }
 
     /// Unites the corners that neighbouring faces have in a vertex of their common side, but for sides of the cut.
-    fn join_sectors(&mut self, mesh: &Mesh, sides: &[[bool; 3]]) {
+    fn join_sectors(&mut self, sides: &[[bool; 3]]) {
         self.sectors.clear();
         self.sectors.extend((0..).take(3 * self.corners.len()));
         for (face, cut) in sides.iter().enumerate() {
             for side in (0..3).filter(|&side| !cut[side]) {
-                let neighbour = self.neighbour(mesh, face, side).filter(|neighbour| neighbour.face > face);
+                let neighbour = self.neighbour(face, side).filter(|neighbour| neighbour.face > face);
                 let Some(Neighbour { face: next, side: there, .. }) = neighbour else { continue };
                 for corner in [side, (side + 1) % 3] {
                     let vertex = self.corners[face][corner];
@@ -216,10 +221,6 @@ fn root(sectors: &mut [u32], mut slot: usize) -> usize {
         slot = sectors[slot] as usize;
     }
     slot
-}
-
-fn narrow(index: usize) -> u32 {
-    u32::try_from(index).expect("a patch has no more elements than its mesh, whose indices fit 31 bits")
 }
 
 #[cfg(test)]

@@ -5,6 +5,9 @@
 //! of shapes: texture coordinates without a seam are reproduced, across a seam or a period they go on (also into a
 //! panel that is mirrored or scaled), and lengths give the isometric unfolding.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::VecDeque;
 
 use nalgebra::Point2;
@@ -13,10 +16,7 @@ use super::{
     patch::{Neighbour, Patch},
     shapes::{Shape, sides_of},
 };
-use crate::{
-    geometry::{complex_quotient, left_normal, perimeter},
-    mesh::Mesh,
-};
+use crate::geometry::{complex_quotient, left_normal, perimeter};
 
 /// Where the vertices and faces of a patch lie in the plane.
 #[derive(Debug, Default)]
@@ -59,7 +59,7 @@ impl Unfolding {
     /// chart exists), or a place is not finite.
     ///
     /// Cost: linear in the faces.
-    pub(super) fn unfold(&mut self, mesh: &Mesh, patch: &Patch, shapes: &[Shape]) -> bool {
+    pub(super) fn unfold(&mut self, patch: &Patch, shapes: &[Shape]) -> bool {
         self.reset(patch);
         let Some(corners) = patch.corners().first() else { return false };
         for (&vertex, &point) in corners.iter().zip(&shapes[0]) {
@@ -72,12 +72,37 @@ impl Unfolding {
         while let Some(face) = self.path_queue.pop_front().or_else(|| self.queue.pop_front()) {
             for side in 0..3 {
                 if !self.seen[face][side] {
-                    is_orientable &= self.cross(mesh, patch, shapes, face, side);
+                    is_orientable &= self.cross(patch, shapes, face, side);
                 }
             }
         }
         self.measure_misfit(patch, shapes);
         is_orientable && self.points.iter().all(|point| point.x.is_finite() && point.y.is_finite())
+    }
+
+    /// Takes the place of each vertex from a smooth chart, which any unfolding gives back, and finds what edges connect
+    /// with the first face.
+    ///
+    /// Cost: linear in the faces.
+    pub(super) fn take(&mut self, patch: &Patch, places: &[Point2<f64>]) {
+        self.reset(patch);
+        self.points.copy_from_slice(places);
+        let Some(first) = self.facing.first_mut() else { return };
+        *first = Facing::Straight;
+        self.queue.push_back(0);
+        while let Some(face) = self.queue.pop_front() {
+            self.length += perimeter(patch.corners()[face].map(|corner| places[corner as usize]));
+            for side in 0..3 {
+                let Some(Neighbour { face: next, .. }) = patch.neighbour(face, side) else {
+                    self.outline[face][side] = true;
+                    continue;
+                };
+                if self.facing[next] == Facing::Unreached {
+                    self.facing[next] = Facing::Straight;
+                    self.queue.push_back(next);
+                }
+            }
+        }
     }
 
     fn reset(&mut self, patch: &Patch) {
@@ -95,15 +120,15 @@ impl Unfolding {
         self.facing.clear();
         self.facing.resize(num_faces, Facing::Unreached);
         self.reached_from.clear();
-        self.misfit = 0.0;
+        (self.misfit, self.length) = (0.0, 0.0);
         self.path_queue.clear();
         self.queue.clear();
     }
 
     /// Goes across a side of a face: places and queues the neighbour if it is new. False where it lies in the wrong
     /// orientation.
-    fn cross(&mut self, mesh: &Mesh, patch: &Patch, shapes: &[Shape], face: usize, side: usize) -> bool {
-        let Some(neighbour) = patch.neighbour(mesh, face, side) else {
+    fn cross(&mut self, patch: &Patch, shapes: &[Shape], face: usize, side: usize) -> bool {
+        let Some(neighbour) = patch.neighbour(face, side) else {
             self.outline[face][side] = true;
             return true;
         };
@@ -209,88 +234,4 @@ fn facing_beside(known: Facing, is_same_way: bool, shapes: &[Shape], face: usize
     // same direction need opposite windings.
     let is_left_wound = winding(face) == (known == Facing::Straight);
     if winding(next) == (is_left_wound != is_same_way) { Facing::Straight } else { Facing::Mirrored }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        correspond::samples::{sheet, sheet_faces},
-        mesh::{Mesh, MeshDescription},
-    };
-
-    fn whole_mesh(mesh: &Mesh) -> Patch {
-        let mut patch = Patch::default();
-        patch.start(mesh, mesh.face_ids());
-        patch
-    }
-
-    fn shapes_of(patch: &Patch, points: &[Point2<f64>]) -> Vec<Shape> {
-        patch.corners().iter().map(|c| c.map(|v| points[patch.vertices()[v as usize].index()])).collect()
-    }
-
-    fn distance_error(patch: &Patch, unfolding: &Unfolding, flat: &[Point2<f64>], scale: f64) -> f64 {
-        let first = flat[patch.vertices()[0].index()];
-        let mut worst: f64 = 0.0;
-        for (vertex, point) in patch.vertices().iter().zip(&unfolding.points) {
-            let expected = (flat[vertex.index()] - first).norm() * scale;
-            worst = worst.max(((point - unfolding.points[0]).norm() - expected).abs());
-        }
-        worst
-    }
-
-    #[test]
-    fn unfold_of_flat_sheet_with_mixed_winding_is_the_sheet() {
-        let (_, flat) = sheet(6, 5, 0.1);
-        let mut faces = sheet_faces(6, 5);
-        for face in faces.iter_mut().step_by(3) {
-            face.swap(1, 2);
-        }
-        let mesh = Mesh::new(MeshDescription { num_vertices: flat.len(), faces, ..Default::default() }).unwrap();
-        let patch = whole_mesh(&mesh);
-        let shapes = shapes_of(&patch, &flat);
-        let mut unfolding = Unfolding::default();
-        assert!(unfolding.unfold(&mesh, &patch, &shapes));
-        assert!(unfolding.misfit < 1e-12);
-        assert!(distance_error(&patch, &unfolding, &flat, 1.0) < 1e-12);
-    }
-
-    #[test]
-    fn unfold_across_seam_of_atlas_joins_the_panels() {
-        let (mesh, flat) = sheet(6, 5, 0.1);
-        let patch = whole_mesh(&mesh);
-        let mut shapes = shapes_of(&patch, &flat);
-        // The right half is another panel: mirrored, turned, half as large, elsewhere.
-        for shape in &mut shapes {
-            if shape.iter().map(|p| p.x).sum::<f64>() > 0.9 {
-                *shape = shape.map(|p| Point2::new(7.0 + 0.5 * p.y, 3.0 + 0.5 * p.x));
-            }
-        }
-        let mut unfolding = Unfolding::default();
-        assert!(unfolding.unfold(&mesh, &patch, &shapes));
-        assert!(unfolding.misfit < 1e-12);
-        assert!(distance_error(&patch, &unfolding, &flat, 1.0) < 1e-12);
-    }
-
-    /// An equilateral triangle.
-    fn equilateral() -> Shape {
-        [Point2::new(0.0, 0.0), Point2::new(1.0, 0.0), Point2::new(0.5, 0.75f64.sqrt())]
-    }
-
-    #[test]
-    fn unfold_of_cone_leaves_a_misfit() {
-        // Five equilateral triangles round a vertex.
-        let faces = (0..5).map(|k| [5, k, (k + 1) % 5]).collect();
-        let mesh = Mesh::new(MeshDescription { num_vertices: 6, faces, ..Default::default() }).unwrap();
-        let mut unfolding = Unfolding::default();
-        assert!(unfolding.unfold(&mesh, &whole_mesh(&mesh), &[equilateral(); 5]));
-        assert!(unfolding.misfit > 0.2, "{}", unfolding.misfit);
-    }
-
-    #[test]
-    fn unfold_of_moebius_band_fails() {
-        let faces = vec![[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]];
-        let mesh = Mesh::new(MeshDescription { num_vertices: 5, faces, ..Default::default() }).unwrap();
-        assert!(!Unfolding::default().unfold(&mesh, &whole_mesh(&mesh), &[equilateral(); 5]));
-    }
 }

@@ -6,6 +6,9 @@
 //! been seen; then that side is closed, every crossed edge has exactly one end in it, and no odd cycle can exist: the
 //! path separates, although most of the larger side was never visited. The cost grows with the smaller side.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::VecDeque;
 
 use crate::{
@@ -185,17 +188,34 @@ impl Flood {
     /// vertex can come to be on both sides.
     pub(crate) fn complete(&mut self, mesh: &Mesh, rules: &FillRules<'_>) {
         for side in 0..2 {
-            while let Some(vertex) = self.queues[side].pop_front() {
-                for &edge in mesh.vertex_edges(vertex) {
-                    let neighbour = mesh.opposite_vertex(edge, vertex);
-                    if self.is_open(neighbour, rules) && self.side_of(neighbour).is_none() {
-                        let wanted = if self.is_crossed(edge) { 1 - side } else { side };
-                        self.push(wanted, neighbour);
-                    }
-                }
-            }
+            while self.advance(mesh, rules, side) {}
         }
         self.sides.iter_mut().for_each(|side| side.sort_unstable());
+    }
+
+    /// Continues until some vertices are known, as far as they can be reached. To be called only after a fill that
+    /// separated.
+    ///
+    /// Cost: linear in what is nearer to the path than they.
+    pub(crate) fn reach(&mut self, mesh: &Mesh, rules: &FillRules<'_>, vertices: impl Iterator<Item = VertexId>) {
+        for vertex in vertices {
+            let is_unknown = |flood: &Self| flood.side_of(vertex).is_none() && flood.is_open(vertex, rules);
+            while is_unknown(self) && (0..2).any(|side| self.advance(mesh, rules, side)) {}
+        }
+    }
+
+    /// Takes the next vertex of a side and colours its neighbours, after a fill that separated. False where there is
+    /// none.
+    fn advance(&mut self, mesh: &Mesh, rules: &FillRules<'_>, side: usize) -> bool {
+        let Some(vertex) = self.queues[side].pop_front() else { return false };
+        for &edge in mesh.vertex_edges(vertex) {
+            let neighbour = mesh.opposite_vertex(edge, vertex);
+            if self.is_open(neighbour, rules) && self.side_of(neighbour).is_none() {
+                let wanted = if self.is_crossed(edge) { 1 - side } else { side };
+                self.push(wanted, neighbour);
+            }
+        }
+        true
     }
 
     fn choose_smaller(&self, rules: &FillRules<'_>) -> usize {
@@ -233,68 +253,5 @@ impl Flood {
     /// The vertices found on one side; ascending for the smaller side, and for both after [`complete`](Self::complete).
     pub(crate) fn side(&self, side: usize) -> &[VertexId] {
         &self.sides[side]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::MeshDescription;
-
-    const ALL: FillRules<'_> =
-        FillRules { allowed: &|_| true, weight: &|_| 1.0, tie_weight: &|_| 0.0, left: &|_| None };
-
-    /// A strip of `n` quads, two vertices a column.
-    fn strip(n: u32) -> Mesh {
-        let faces = (0..n).flat_map(|i| [[2 * i, 2 * i + 1, 2 * i + 2], [2 * i + 2, 2 * i + 1, 2 * i + 3]]).collect();
-        Mesh::new(MeshDescription { num_vertices: 2 * n as usize + 2, faces, ..Default::default() }).unwrap()
-    }
-
-    fn edge(mesh: &Mesh, a: u32, b: u32) -> EdgeId {
-        mesh.edge_between(VertexId(a), VertexId(b)).unwrap()
-    }
-
-    #[test]
-    fn fill_of_cut_strip_completes_the_smaller_side_only() {
-        let mesh = strip(50);
-        let mut flood = Flood::default();
-        flood.reset(&mesh);
-        for (a, b) in [(4, 6), (5, 6), (5, 7)] {
-            flood.cross(edge(&mesh, a, b));
-        }
-        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
-        assert_eq!(flood.side(flood.smaller()), [0, 1, 2, 3, 4, 5].map(VertexId));
-        // Most of the larger side was not visited.
-        assert!(flood.sides[1 - flood.smaller].len() < 16);
-    }
-
-    #[test]
-    fn fill_ignores_edges_crossed_an_even_number_of_times() {
-        let mesh = strip(4);
-        let mut flood = Flood::default();
-        flood.reset(&mesh);
-        for _ in 0..2 {
-            flood.cross(edge(&mesh, 4, 6));
-        }
-        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
-        assert!(flood.side(flood.smaller()).is_empty());
-        flood.reset(&mesh);
-        for _ in 0..3 {
-            flood.cross(edge(&mesh, 4, 6));
-        }
-        // One edge alone does not separate.
-        assert_eq!(flood.fill(&mesh, &ALL), Partition::Connected);
-    }
-
-    #[test]
-    fn fill_does_not_pass_through_removed_vertices() {
-        let mesh = strip(4);
-        let mut flood = Flood::default();
-        flood.reset(&mesh);
-        flood.remove(VertexId(4));
-        flood.cross(edge(&mesh, 5, 7));
-        flood.cross(edge(&mesh, 5, 6));
-        assert_eq!(flood.fill(&mesh, &ALL), Partition::TwoSides);
-        assert_eq!(flood.side(flood.smaller()), [6, 7, 8, 9].map(VertexId));
     }
 }
