@@ -1,6 +1,7 @@
-"""Shared by the examples of all hosts: four controls, a table, and pictures.
+"""Shared by the examples of all hosts: controls, a table, and pictures.
 
-A demonstration needs controls: no help, the mask alone, the force alone, and both. Only the last may untangle.
+A demonstration needs controls: no help, the mask alone, the force alone, both, and repairs, the adapters' default. A
+control is what an adapter is told beside its defaults.
 """
 
 import argparse
@@ -15,12 +16,13 @@ import numpy as np
 import picture
 import untangled
 
-CONTROLS = [
-    ("no help", False, False),
-    ("mask only", False, True),
-    ("force without mask", True, False),
-    ("force + mask", True, True),
-]
+CONTROLS = {
+    "no help": {"use_force": False, "use_mask": False, "repair": "never"},
+    "mask only": {"use_force": False, "repair": "never"},
+    "force without mask": {"use_mask": False, "repair": "never"},
+    "force + mask": {"repair": "never"},
+    "repair": {},
+}
 
 
 class Daemon:
@@ -57,8 +59,8 @@ def arguments(description):
     return parser.parse_args()
 
 
-def run(title, simulate, scene, options):
-    """Runs `simulate(use_force, use_mask)` for each control; it yields a context and the positions after each step.
+def run(title, simulate, scene, options, controls=CONTROLS):
+    """Runs `simulate(told)` for each control; it yields a context and the positions after each step.
 
     Counts come from an exact check that shares no code with the untangler. Returns whether the last control ended clean
     and stayed so.
@@ -78,11 +80,11 @@ def run(title, simulate, scene, options):
     print(f"{title}\n\n| control | edges that pierce a face: start | {columns} |")
     print("|---|---|---|---|---|", flush=True)
     good = False
-    for name, force, mask in CONTROLS:
+    for name, told in controls.items():
         if options.only not in (None, name):
             continue
         start, helped, worst, clean_at, positions = count(vertices), None, 0, None, vertices
-        for step, (phase, positions) in enumerate(simulate(force, mask)):
+        for step, (phase, positions) in enumerate(simulate(told)):
             now = count(positions)
             if phase == "help":
                 helped = now

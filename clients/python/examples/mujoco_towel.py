@@ -32,7 +32,7 @@ def build(scene):
     return mujoco.MjModel.from_xml_string(xml)
 
 
-def simulate(scene, domain, options, force, mask):
+def simulate(scene, domain, options, told):
     vertices, triangles, rest, pins = scene
     model = build(scene)
     data = mujoco.MjData(model)
@@ -45,9 +45,7 @@ def simulate(scene, domain, options, force, mask):
         data.qpos[address : address + 3] = vertices[vertex] - rest[vertex]
     mujoco.mj_forward(model, data)
     uv = np.ascontiguousarray(rest[:, :2])
-    with Untangler(
-        model, data, every=EVERY, uv=uv, rest_positions=rest, domain=domain, use_force=force, use_mask=mask
-    ) as untangler:
+    with Untangler(model, data, every=EVERY, uv=uv, rest_positions=rest, domain=domain, **told) as untangler:
         untangler.deadline = 10.0
         for frame in range((options.steps or 60) + options.after):
             phase = "help" if frame < (options.steps or 60) else "after"
@@ -66,7 +64,7 @@ def main():
     with controls.Daemon(options.domain) as domain:
         size = f"{len(scene[1])} triangles, {EVERY} steps a frame"
         title = f"MuJoCo {mujoco.__version__}, flex, self-collision on, {size}"
-        good = controls.run(title, lambda force, mask: simulate(scene, domain, options, force, mask), scene, options)
+        good = controls.run(title, lambda told: simulate(scene, domain, options, told), scene, options)
     return 0 if good else 1
 
 

@@ -15,6 +15,9 @@ from untangled.hosts.newton import Untangler
 
 DT = 1 / 120
 ITERATIONS = 8
+# The mask by vertex, and by the labels of single contacts.
+CONTROLS = {name: {"labels": False, **told} if told else told for name, told in controls.CONTROLS.items()}
+CONTROLS["force + labels"] = {"repair": "never"}
 
 
 def build(scene):
@@ -46,7 +49,7 @@ def build(scene):
     return model
 
 
-def simulate(scene, domain, options, force, mask):
+def simulate(scene, domain, options, told):
     vertices, _, rest, _ = scene
     model = build(scene)
     solver = newton.solvers.SolverVBD(
@@ -61,9 +64,7 @@ def simulate(scene, domain, options, force, mask):
         state.particle_q.assign(vertices)
     control = model.control()
     uv = np.ascontiguousarray(rest[:, :2])
-    with Untangler(
-        model, solver, dt=DT, uv=uv, rest_positions=rest, domain=domain, use_force=force, use_mask=mask
-    ) as untangler:
+    with Untangler(model, solver, dt=DT, uv=uv, rest_positions=rest, domain=domain, **told) as untangler:
         phases = [("help", untangler.before_step)] * (options.steps or 60) + [("after", None)] * options.after
         untangler.deadline = 10.0
         for phase, help in phases:
@@ -83,7 +84,8 @@ def main():
     scene = towel()
     with controls.Daemon(options.domain) as domain:
         title = f"Newton {newton.__version__}, SolverVBD, self-contact on, {len(scene[1])} triangles"
-        good = controls.run(title, lambda force, mask: simulate(scene, domain, options, force, mask), scene, options)
+        simulated = lambda told: simulate(scene, domain, options, told)
+        good = controls.run(title, simulated, scene, options, CONTROLS)
     return 0 if good else 1
 
 

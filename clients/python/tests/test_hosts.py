@@ -1,16 +1,18 @@
-"""The host examples, where their simulators are installed: tangled without help, clean with force and mask."""
+"""The host examples, where their simulators are installed: tangled without help, clean with it."""
 
 import importlib.util
 import os
 import pathlib
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import untangled
-from conftest import binary
+from conftest import DEADLINE, binary
+from untangled.hosts import _repairs
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[1] / "examples"
 
@@ -38,6 +40,48 @@ def test_newton_example_without_help_stays_tangled(tmp_path):
 def test_newton_example_with_force_and_mask_ends_clean(tmp_path):
     start, helped, after = run("newton_towel.py", "newton", "force + mask", tmp_path)
     assert int(start) > 20 and (helped, after) == ("0", "0")
+
+
+def test_newton_example_with_repairs_ends_clean(tmp_path):
+    start, helped, after = run("newton_towel.py", "newton", "repair", tmp_path, "--steps", "10", "--after", "20")
+    assert int(start) > 20 and (helped, after) == ("0", "0")
+
+
+def test_mujoco_example_with_repairs_ends_clean(tmp_path):
+    start, helped, after = run("mujoco_towel.py", "mujoco", "repair", tmp_path, "--steps", "20", "--after", "20")
+    assert int(start) > 20 and (helped, after) == ("0", "0")
+
+
+def test_velocities_after_a_repair_lose_only_what_leads_back():
+    moves = np.array([[0.01, 0, 0], [0.01, 0, 0], [1e-6, 0, 0], [0, 0, 0]])
+    before = np.array([[-0.5, 0, -2], [0.5, 0, -2], [-0.5, 0, 0], [-0.5, 1, 2]])
+    after = _repairs.slowed(before, moves, 0.01)
+    assert np.allclose(after, [[0, 0, -2], [0.5, 0, -2], [-0.4999, 0, 0], [-0.5, 1, 2]])
+
+
+def test_repair_of_a_tangled_frame_is_taken_and_leaves_nothing(domain, sheets):
+    settings = _repairs.with_repair({"quality": "fast"}, "always")
+    with untangled.Session(sheets.triangles, repairs=True, settings=settings, domain=domain) as session:
+        correction = session.exchange(sheets.vertices, deadline=DEADLINE)
+        moves = _repairs.displacement(session, sheets.triangles, correction, sheets.vertices, DEADLINE)
+        assert untangled.count_intersections(sheets.vertices, sheets.triangles) > 0
+        assert untangled.count_intersections(sheets.vertices + moves, sheets.triangles) == 0
+
+
+@pytest.mark.parametrize("helps", [True, False])
+def test_late_repair_is_taken_only_where_it_leaves_fewer_intersections(sheets, helps):
+    moves = np.zeros_like(sheets.vertices)
+    moves[len(moves) // 2 :, 2] = 0.1 if helps else 0.0
+    late = SimpleNamespace(certified=True, frame=1, displacement=moves, repaired=lambda positions: positions + moves)
+    session = SimpleNamespace(has_repairs=True, poll_repair=lambda: late)
+    now = SimpleNamespace(being_repaired=False, frame=2)
+    taken = _repairs.displacement(session, sheets.triangles, now, sheets.vertices, 0.0)
+    assert (taken is not None) == helps
+
+
+def test_repair_by_an_unknown_name_is_refused_in_words():
+    with pytest.raises(ValueError, match="never, auto, always"):
+        _repairs.with_repair(None, "sometimes")
 
 
 def test_towel_scene_is_tangled_and_its_rest_state_is_clean():

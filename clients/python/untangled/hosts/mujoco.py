@@ -7,10 +7,14 @@
             untangler.before_step()
             mujoco.mj_step(model, data)
 
-The force is in newtons, in `data.qfrc_applied` of the flex's vertices, held for `every` steps. MuJoCo has no switch for
-self-collision by vertex: the mask switches that of the whole flex off (`model.flex_selfcollide`) for as long as any
-vertex is masked. So while a tangle is resolved, new ones may arise elsewhere, and where layers lean on each other this
-does not end: clients/python/README.md has a table.
+By default a tangled frame is repaired between two steps: positions move to where nothing intersects, certified, and
+velocities keep all but what leads back. MuJoCo does not look between two steps for what passes through each other, so
+new tangles may arise; the next exchange repairs them.
+
+With `repair="never"`, or `"auto"` until a tangle does not shrink, there are forces in newtons, in `data.qfrc_applied`
+of the flex's vertices, held for `every` steps. MuJoCo has no switch for single contacts: the mask switches
+self-collision of the whole flex off (`model.flex_selfcollide`) for as long as any vertex is masked, and new tangles
+arise where layers lean on each other: clients/python/README.md has a table.
 """
 
 from __future__ import annotations
@@ -18,11 +22,13 @@ from __future__ import annotations
 from typing import Any, Mapping, Optional, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
 import mujoco
 
 from .. import Missed, Session
 from ..correction import Correction
+from . import _repairs
 
 
 class Untangler:
@@ -34,7 +40,9 @@ class Untangler:
             steps: in a single one of MuJoCo's short steps it would be an impact.
         uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
         deadline: seconds to wait for a correction before the steps go on without.
-        use_force, use_mask: switches for comparisons. Neither alone untangles.
+        repair: which frames are repaired: "always" those with intersections, "auto" those of a tangle that does not
+            shrink, "never".
+        use_force, use_mask: whether forces are added, and self-collision goes off, in frames that are not repaired.
     """
 
     def __init__(
@@ -53,6 +61,7 @@ class Untangler:
         timeout: float = 5.0,
         use_force: bool = True,
         use_mask: bool = True,
+        repair: str = "always",
     ) -> None:
         if isinstance(flex, str):
             flex = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_FLEX, flex)
@@ -68,10 +77,13 @@ class Untangler:
         free = (model.body_dofnum[self._bodies] == 3) & (num_vertices[self._bodies] == 1)
         self._free = np.flatnonzero(free)
         self._dofs = model.body_dofadr[self._bodies[self._free]][:, None] + np.arange(3)
+        joints = model.body_jntadr[self._bodies[self._free]]
+        self._places = model.jnt_qposadr[joints][:, None] + np.arange(3)
         self._force = np.zeros((len(self._free), 3))
         self._switch = int(model.flex_selfcollide[flex])
         self._countdown = 0
         elements = model.flex_elem[model.flex_elemdataadr[flex] :][: 3 * model.flex_elemnum[flex]].reshape(-1, 3)
+        self._triangles = elements.copy()
         masses = np.where(free, model.body_mass[self._bodies], 0.0)
         self.session = Session(
             elements,
@@ -83,7 +95,8 @@ class Untangler:
             pins=np.flatnonzero(~free),
             correction="force",
             dtype=np.float64,
-            settings=settings,
+            settings=_repairs.with_repair(settings, repair),
+            repairs=repair != "never",
             dt=every * model.opt.timestep,
             domain=domain,
             timeout=timeout,
@@ -92,8 +105,8 @@ class Untangler:
     def before_step(self) -> Optional[Correction]:
         """Exchanges once in `every` steps, and applies force and mask in each.
 
-        Returns the correction where there was an exchange and it came in time. After a missed one the steps go on
-        without help.
+        Returns the correction where there was an exchange and it came in time; a repair has then moved the flex
+        already. After a missed one the steps go on without help.
         """
         correction = None
         if self._countdown == 0:
@@ -107,15 +120,29 @@ class Untangler:
             except Missed:
                 pass
         self._countdown -= 1
-        if correction is not None:
+        if correction is not None and not self._repair(correction):
             if self.use_mask and correction.mask.any():
                 self.model.flex_selfcollide[self.flex] = mujoco.mjtFlexSelf.mjFLEXSELF_NONE
             if self.use_force:
-                # The joints of a vertex push along the axes of its body, which does not turn.
-                axes = self.data.xmat[self._bodies[self._free]].reshape(-1, 3, 3)
-                self._force = np.einsum("kij,ki->kj", axes, correction.force[self._free])
+                self._force = self._along_joints(correction.force)
                 self.data.qfrc_applied[self._dofs] += self._force
         return correction
+
+    def _repair(self, correction: Correction) -> bool:
+        """Moves the vertices by the repair of this frame, and slows them; whether there was one."""
+        positions = self.data.flexvert_xpos[self._vertices]
+        moves = _repairs.displacement(self.session, self._triangles, correction, positions, self.deadline)
+        if moves is None:
+            return False
+        along = self._along_joints(moves)
+        self.data.qpos[self._places] += along
+        self.data.qvel[self._dofs] = _repairs.slowed(self.data.qvel[self._dofs], along, self.session.dt)
+        return True
+
+    def _along_joints(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Vectors of all vertices as their joints take them: along the axes of the body, which does not turn."""
+        axes = self.data.xmat[self._bodies[self._free]].reshape(-1, 3, 3)
+        return np.einsum("kij,ki->kj", axes, vectors[self._free])
 
     def clear(self) -> None:
         """Takes the force back and switches self-collision on again."""

@@ -10,66 +10,38 @@
             solver.step(state_0, state_1, control, contacts, dt)
             state_0, state_1 = state_1, state_0
 
-The force is in newtons, in `state.particle_f`, for one step. The mask is applied to the solver's own contact list:
-after each collision detection the pairs that touch a masked vertex are struck out. That list is private to Newton,
-hence the version. Without the mask VBD keeps a tangle for ever, against any force: it lets no vertex move through an
-element that it has found near.
+Three things help, each where the one before does not:
+
+- Forces in newtons, in `state.particle_f`, for one step.
+- Contacts between the two sides of a tangle are struck out of the solver's own list after each of its collision
+  detections (:class:`untangled.ContactFilter`); all others stay, so that cloth which leans on a tangle stands. That
+  list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it lets no
+  vertex move through an element that it has found near.
+- Repairs between two steps: positions move to where nothing intersects, certified, and velocities keep all but what
+  leads back. VBD lets nothing intersect that was clear of each other, so that a state once clean stays clean.
+
+Arrays may be Warp's. Those of a GPU are copied: positions to the host and forces back in each step, positions and
+velocities back with a repair, and the contact lists there and back after each detection while anything is tangled.
 """
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Optional
+from typing import Any, Callable, Mapping, Optional
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 import newton
 
-from .. import Missed, Session
+from .. import ContactFilter, Missed, Session
 from ..correction import Correction
+from . import _repairs
 
 if not newton.__version__.startswith("1.8."):
     raise ImportError(f"untangled.hosts.newton knows Newton 1.8, not {newton.__version__}")
 
 _HOOK = "_collision_detection_penetration_free"
-
-
-@wp.kernel
-def _strike_vertex_triangle(
-    masked: wp.array(dtype=wp.int32),
-    triangles: wp.array2d(dtype=wp.int32),
-    offsets: wp.array(dtype=wp.int32),
-    sizes: wp.array(dtype=wp.int32),
-    counts: wp.array(dtype=wp.int32),
-    pairs: wp.array(dtype=wp.int32),
-):
-    vertex = wp.tid()
-    for k in range(wp.min(counts[vertex], sizes[vertex])):
-        place = 2 * (offsets[vertex] + k) + 1
-        face = pairs[place]
-        if face >= 0:
-            corners = masked[triangles[face, 0]] + masked[triangles[face, 1]] + masked[triangles[face, 2]]
-            if masked[vertex] + corners > 0:
-                pairs[place] = -1
-
-
-@wp.kernel
-def _strike_edge_edge(
-    masked: wp.array(dtype=wp.int32),
-    edges: wp.array2d(dtype=wp.int32),
-    offsets: wp.array(dtype=wp.int32),
-    sizes: wp.array(dtype=wp.int32),
-    counts: wp.array(dtype=wp.int32),
-    pairs: wp.array(dtype=wp.int32),
-):
-    edge = wp.tid()
-    for k in range(wp.min(counts[edge], sizes[edge])):
-        place = 2 * (offsets[edge] + k) + 1
-        other = pairs[place]
-        if other >= 0:
-            own = masked[edges[edge, 2]] + masked[edges[edge, 3]]
-            if own + masked[edges[other, 2]] + masked[edges[other, 3]] > 0:
-                pairs[place] = -1
 
 
 class Untangler:
@@ -81,7 +53,11 @@ class Untangler:
         dt: length of a step in seconds.
         uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
         deadline: seconds to wait for a correction before the step goes on without.
-        use_force, use_mask: switches for comparisons. Neither alone untangles.
+        repair: which frames are repaired: "always" those with intersections, "auto" those of a tangle that does not
+            shrink, "never".
+        use_force, use_mask: whether forces are added, and whether contacts of a tangle are off, where a frame is not
+            repaired. Neither alone untangles.
+        labels: whether contacts are off by pair; otherwise, and with a daemon that is too old, all of a masked vertex.
     """
 
     def __init__(
@@ -99,6 +75,8 @@ class Untangler:
         timeout: float = 5.0,
         use_force: bool = True,
         use_mask: bool = True,
+        labels: bool = True,
+        repair: str = "always",
     ) -> None:
         if not getattr(solver, "particle_enable_self_contact", False) or not hasattr(solver, _HOOK):
             raise TypeError(
@@ -106,48 +84,67 @@ class Untangler:
             )
         self.model, self.solver, self.dt, self.deadline = model, solver, dt, deadline
         self.use_force, self.use_mask = use_force, use_mask
+        self._triangles = model.tri_indices.numpy()
+        self._edges = model.edge_indices.numpy()[:, 2:4]
         masses = model.particle_mass.numpy().astype(np.float64)
         self.session = Session(
-            model.tri_indices.numpy(),
-            uv,
-            uv_triangles=uv_triangles,
+            self._triangles,
+            _on_host(uv),
+            uv_triangles=_on_host(uv_triangles),
             num_vertices=model.particle_count,
-            rest_positions=rest_positions,
+            rest_positions=_on_host(rest_positions),
             masses=masses,
             pins=np.flatnonzero(masses == 0),
             correction="force",
-            settings=settings,
+            settings=_repairs.with_repair(settings, repair),
+            repairs=repair != "never",
+            labels=labels,
             dt=dt,
             domain=domain,
             timeout=timeout,
         )
-        self._masked = wp.zeros(model.particle_count, dtype=wp.int32, device=model.device)
+        self._contacts = ContactFilter(model.particle_count)
         self._any = False
         self._detect = getattr(solver, _HOOK)
         setattr(solver, _HOOK, self._detect_and_strike)
 
     def before_step(self, state: Any) -> Optional[Correction]:
-        """Sends the positions of `state`, adds the forces to `state.particle_f`, and sets the mask of the next step.
+        """Sends the positions of `state`; repairs it, or adds forces to `state.particle_f` and sets the contacts of the
+        next step.
 
         Without a correction (it came too late, or the daemon is gone) the step goes on without help, and this returns
         None.
         """
+        positions = state.particle_q.numpy()
         try:
-            correction = self.session.exchange(state.particle_q.numpy(), self.dt, deadline=self.deadline)
+            correction = self.session.exchange(positions, self.dt, deadline=self.deadline)
         except Missed:
             self.clear_mask()
             return None
+        moves = _repairs.displacement(self.session, self._triangles, correction, positions, self.deadline)
+        if moves is not None:
+            # The force was for the state before.
+            self.clear_mask()
+            state.particle_qd.assign(_repairs.slowed(state.particle_qd.numpy(), moves, self.dt))
+            state.particle_q.assign(positions + moves)
+            return correction
         if self.use_force and correction.num_intersections:
             state.particle_f.assign(state.particle_f.numpy() + correction.force)
         if self.use_mask:
-            self._any = bool(correction.mask.any())
-            self._masked.assign(correction.mask.astype(np.int32))
+            self._set_contacts(correction)
         return correction
+
+    def _set_contacts(self, correction: Correction) -> None:
+        if self.session.has_labels:
+            self._any = len(correction.labels) > 0
+            self._contacts.set(correction)
+        else:
+            self._masked = correction.mask
+            self._any = bool(self._masked.any())
 
     def clear_mask(self) -> None:
         """Switches all contacts on again."""
         self._any = False
-        self._masked.zero_()
 
     def close(self) -> None:
         """Gives the solver back as it was, and ends the session."""
@@ -164,13 +161,40 @@ class Untangler:
     def _detect_and_strike(self, *arguments: Any, **named: Any) -> Any:
         result = self._detect(*arguments, **named)
         if self._any:
-            found = self.solver.trimesh_collision_info
-            for kernel, elements, name in (
-                (_strike_vertex_triangle, self.model.tri_indices, "vertex_colliding_triangles"),
-                (_strike_edge_edge, self.model.edge_indices, "edge_colliding_edges"),
-            ):
-                count = getattr(found, name + "_count")
-                parts = [getattr(found, name + part) for part in ("_offsets", "_buffer_sizes")]
-                inputs = [self._masked, elements, *parts, count, getattr(found, name)]
-                wp.launch(kernel, dim=len(count), inputs=inputs, device=self.model.device)
+            self._strike("vertex_colliding_triangles", self._vertex_face_off)
+            self._strike("edge_colliding_edges", self._edge_edge_off)
         return result
+
+    def _strike(self, name: str, off: Callable[[NDArray[Any], NDArray[Any]], NDArray[np.bool_]]) -> None:
+        """Strikes those pairs out of one of the solver's lists that are off: the second of a pair becomes -1."""
+        found = self.solver.trimesh_collision_info
+        counts, sizes, offsets = (
+            getattr(found, name + part).numpy() for part in ("_count", "_buffer_sizes", "_offsets")
+        )
+        counts = np.minimum(counts, sizes[: len(counts)])
+        # The places of all pairs in the list: rows of known beginnings and lengths, one for each vertex or edge.
+        owners = np.repeat(np.arange(len(counts)), counts)
+        places = np.arange(len(owners)) + np.repeat(offsets[: len(counts)] - (np.cumsum(counts) - counts), counts)
+        pairs = getattr(found, name)
+        listed = pairs.numpy()
+        others = listed[2 * places + 1]
+        kept = others >= 0
+        owners, places, others = owners[kept], places[kept], others[kept]
+        listed[2 * places[off(owners, others)] + 1] = -1
+        if not pairs.device.is_cpu:
+            pairs.assign(listed)
+
+    def _vertex_face_off(self, vertices: NDArray[Any], faces: NDArray[Any]) -> NDArray[np.bool_]:
+        if self.session.has_labels:
+            return self._contacts.vertex_face_off(vertices, self._triangles[faces])
+        return self._masked[vertices] | self._masked[self._triangles[faces]].any(axis=1)
+
+    def _edge_edge_off(self, first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
+        if self.session.has_labels:
+            return self._contacts.edge_edge_off(self._edges[first], self._edges[second])
+        return self._masked[self._edges[first]].any(axis=1) | self._masked[self._edges[second]].any(axis=1)
+
+
+def _on_host(values: Any) -> Any:
+    """A Warp array as numpy's, by copy from a GPU; all else as it is."""
+    return values.numpy() if isinstance(values, wp.array) else values
