@@ -3,6 +3,7 @@
 
 mod allocations;
 mod budget;
+mod fineness;
 mod instruction_sets;
 mod momenta;
 mod numerics;

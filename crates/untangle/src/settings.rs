@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// The default of [`Settings::max_step_edge_lengths`].
+pub(crate) const DEFAULT_MAX_STEP_EDGE_LENGTHS: f64 = 0.2;
+
 /// All settings of one session. Lengths are in metres where the name says so, otherwise relative to the mean edge
 /// length `h` of the faces that a path runs through, so that the defaults fit cloth of any size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,9 +25,14 @@ pub struct Settings {
     /// Stiffness `k` of the force law, as the part of the distance to the target that one step covers (1/step^2, per
     /// unit mass).
     pub stiffness_per_step2: f64,
-    /// Largest correction of a vertex in one step, in `h`: the `f_max` of the force law, per unit mass and step^2.
+    /// Largest correction of a vertex in one step, in `h`: the `f_max` of the force law, per unit mass and step^2. In a
+    /// tangle that is deep beside `h`, by `steps_to_clean`, a part of its depth stands in for `h`. Zero is no force.
     /// Infinity is no limit, and leaves out forces down the gradient of a path's length, which have no other size.
     pub max_step_edge_lengths: f64,
+    /// Steps in which a tangle shall be gone, from rest and without resistance, whatever the edges are: with the
+    /// default of `max_step_edge_lengths`, `f_max` is at least twice the depth of the tangle over the square of this.
+    /// Infinity leaves the limit to the edges.
+    pub steps_to_clean: f64,
     /// Thickness of the cloth in metres. Without it `h` stands in.
     pub thickness_m: Option<f64>,
     /// Fewest centres of a radial basis function fit.
@@ -138,7 +146,8 @@ impl Default for Settings {
             winding: false,
             pinned_outside: false,
             stiffness_per_step2: 0.5,
-            max_step_edge_lengths: 0.2,
+            max_step_edge_lengths: DEFAULT_MAX_STEP_EDGE_LENGTHS,
+            steps_to_clean: 3.0,
             thickness_m: None,
             min_centres: 5,
             max_centres: 30,
@@ -190,6 +199,8 @@ impl Settings {
         check("stiffness_per_step2", k, not_negative(k), "finite and not negative")?;
         let step = self.max_step_edge_lengths;
         check("max_step_edge_lengths", step, step >= 0.0, "a number that is not negative")?;
+        let steps = self.steps_to_clean;
+        check("steps_to_clean", steps, steps >= 1.0, "a number of at least 1")?;
         if let Some(thickness) = self.thickness_m {
             check("thickness_m", thickness, not_negative(thickness), "finite and not negative")?;
         }

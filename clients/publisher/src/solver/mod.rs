@@ -172,9 +172,9 @@ impl Solver {
                 let pushed = help.velocity_change_m_s.get(vertex).copied().unwrap_or_default() * (substep_s / dt_s);
                 let velocity = &mut self.velocities[vertex];
                 *velocity = (*velocity + self.parameters.gravity_m_s2 * substep_s + pushed) * kept;
-                // Contact was searched no farther than this.
+                // Contact was searched no farther than this, and not at all where it is off.
                 let speed = velocity.norm();
-                if speed > fastest_m_s {
+                if speed > fastest_m_s && !help.no_contact.get(vertex).is_some_and(|&is_off| is_off) {
                     *velocity *= fastest_m_s / speed;
                 }
                 self.cloth.positions[vertex] += *velocity * substep_s;

@@ -8,7 +8,7 @@ use untangled_proto::{
 use crate::process::header;
 
 /// Names of settings, one that there is not, and no name.
-const SETTINGS: [&str; 15] = [
+const SETTINGS: [&str; 16] = [
     "quality",
     "response",
     "inside",
@@ -17,6 +17,7 @@ const SETTINGS: [&str; 15] = [
     "pinned_outside",
     "stiffness_per_step2",
     "max_step_edge_lengths",
+    "steps_to_clean",
     "thickness_m",
     "min_centres",
     "max_centres",

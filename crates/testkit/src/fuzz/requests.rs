@@ -10,7 +10,7 @@ use untangled_proto::{
 use super::grid::grid;
 
 /// Settings, each with some values; the last of several is refused.
-const VALUES: [(&str, &[&str]); 14] = [
+const VALUES: [(&str, &[&str]); 15] = [
     ("quality", &["\"fast\"", "\"balanced\"", "\"accurate\"", "\"best\""]),
     ("response", &["\"rbf\"", "\"contour\"", "\"displacement\"", "\"mask\"", "1"]),
     ("inside", &["\"count\"", "\"area\"", "\"work\"", "null"]),
@@ -19,6 +19,7 @@ const VALUES: [(&str, &[&str]); 14] = [
     ("pinned_outside", &["true", "false", "0"]),
     ("stiffness_per_step2", &["0", "0.5", "1e300", "5e-324", "-1"]),
     ("max_step_edge_lengths", &["0", "0.2", "1e308", "1e400"]),
+    ("steps_to_clean", &["1", "3", "1e308", "0.5"]),
     ("thickness_m", &["null", "0", "0.001", "1e308"]),
     ("min_centres", &["3", "5", "1000", "2", "18446744073709551615"]),
     ("max_centres", &["30", "1000", "3", "1001"]),

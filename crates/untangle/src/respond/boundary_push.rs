@@ -13,6 +13,7 @@ use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh},
     paths::{PathPoint, PathSegment, Sheet},
+    settings::Settings,
 };
 
 /// A mean below this part of the mean magnitude counts as cancelled: the path straddles the line from which two
@@ -24,16 +25,28 @@ const CANCELLED: f64 = 0.3;
 pub(crate) struct BoundaryPush {
     chart: Chart,
     distance: BoundaryDistance,
+    /// For each segment of a path the distance to the boundary in its middle, in metres, and the direction in which it
+    /// shrinks, in the chart.
+    slopes: Vec<Option<(f64, Vector2<f64>)>>,
 }
 
-/// A path to be pushed, and the law that says how far.
+/// How far a path has to go over a boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PushDepth {
+    /// Mean distance to the boundary, in metres.
+    pub(crate) mean_m: f64,
+    /// Greatest distance to the boundary, in metres.
+    pub(crate) greatest_m: f64,
+}
+
+/// A path to be pushed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PushedPath<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) frame: &'a Frame,
     pub(crate) points: &'a [PathPoint],
     pub(crate) segments: &'a [PathSegment],
-    pub(crate) law: ForceLaw,
+    pub(crate) settings: &'a Settings,
     pub(crate) edge_length_m: f64,
 }
 
@@ -44,12 +57,17 @@ impl BoundaryPush {
     }
 
     /// Writes for each segment the displacement of one step, in metres, towards the boundary of `sheet`: the mean over
-    /// the path, taken in a chart, so that it follows a sheet that bends. Returns the mean distance to the boundary in
-    /// metres; nothing, and zeros, where no boundary is near or the directions cancel.
+    /// the path, taken in a chart, so that it follows a sheet that bends. Returns how far it is to the boundary;
+    /// nothing, and zeros, where no boundary is near or the directions cancel.
     ///
     /// Cost: linear in the path, and over all paths of a frame that of one [`BoundaryDistance`].
-    pub(crate) fn steps(&mut self, path: &PushedPath<'_>, sheet: Sheet, steps: &mut Vec<Vector3<f64>>) -> Option<f64> {
-        let PushedPath { mesh, frame, points, segments, law, edge_length_m } = *path;
+    pub(crate) fn steps(
+        &mut self,
+        path: &PushedPath<'_>,
+        sheet: Sheet,
+        steps: &mut Vec<Vector3<f64>>,
+    ) -> Option<PushDepth> {
+        let PushedPath { mesh, frame, points, segments, settings, edge_length_m } = *path;
         steps.clear();
         steps.resize(segments.len(), Vector3::zeros());
         let length: f64 = points.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).sum();
@@ -58,19 +76,15 @@ impl BoundaryPush {
         self.chart.patch_mut().grow(mesh, 1, usize::MAX);
         self.chart.build(mesh, frame)?;
         // The path itself ends on a boundary: one that is much farther away than the length of the path does not count.
-        let farthest_m = 1.5 * length + 3.0 * edge_length_m;
-        let (mut mean, mut magnitude, mut depth) = (Vector2::zeros(), 0.0, 0.0);
-        for (index, segment) in segments.iter().enumerate() {
-            let (start, end) = (&points[index], &points[index + 1]);
-            let places = [sheet.place(start), sheet.place(end)];
-            let face = face_of(segment);
-            let middle = MaterialPoint::middle(mesh, face, places);
-            let slope = middle.and_then(|at| self.slope(mesh, frame, face, &at, farthest_m));
-            let Some((distance, downhill)) = slope else { continue };
-            let Some(downhill) = self.chart.to_chart(mesh, frame, face, downhill) else { continue };
-            let part = (end.position - start.position).norm() / length;
-            let step = law.step(distance) * part;
-            depth += distance * part;
+        self.find_slopes(path, sheet, 1.5 * length + 3.0 * edge_length_m);
+        let greatest_m = self.slopes.iter().flatten().map(|(distance_m, _)| *distance_m).fold(0.0, f64::max);
+        let law = ForceLaw::of_push(settings, edge_length_m, greatest_m);
+        let (mut mean, mut magnitude, mut mean_m) = (Vector2::zeros(), 0.0, 0.0);
+        for (ends, slope) in points.windows(2).zip(&self.slopes) {
+            let Some((distance_m, downhill)) = *slope else { continue };
+            let part = (ends[1].position - ends[0].position).norm() / length;
+            let step = law.step(distance_m) * part;
+            mean_m += distance_m * part;
             mean += downhill * step;
             magnitude += step;
         }
@@ -82,7 +96,22 @@ impl BoundaryPush {
                 *step = direction * mean.norm();
             }
         }
-        Some(depth)
+        Some(PushDepth { mean_m, greatest_m })
+    }
+
+    /// Looks in the middle of each segment how far the boundary is, no farther than `farthest_m`, and where.
+    fn find_slopes(&mut self, path: &PushedPath<'_>, sheet: Sheet, farthest_m: f64) {
+        let PushedPath { mesh, frame, points, segments, .. } = *path;
+        self.slopes.clear();
+        for (ends, segment) in points.windows(2).zip(segments) {
+            let face = sheet.face(segment);
+            let middle = MaterialPoint::middle(mesh, face, [sheet.place(&ends[0]), sheet.place(&ends[1])]);
+            let slope = middle.and_then(|at| self.slope(mesh, frame, face, &at, farthest_m));
+            let downhill = slope.and_then(|(distance_m, downhill)| {
+                Some((distance_m, self.chart.to_chart(mesh, frame, face, downhill)?))
+            });
+            self.slopes.push(downhill);
+        }
     }
 
     /// Distance to the boundary at a point of a face and the unit direction in which it shrinks fastest.

@@ -7,15 +7,15 @@ use super::{
     boundary_push::{BoundaryPush, PushedPath},
     contour::{GUARD, length_gradient},
     displace::Displacements,
-    forces::{ForceLaw, Forces, mass_at, mass_kg},
+    forces::{Field, ForceLaw, Forces, Spread, limited, mass_at, mass_kg},
 };
 use crate::{
     analysis::Analysis,
-    correspond::{Correspondences, MaterialPoint, PathCorrespondence},
+    correspond::{Attraction, Correspondences, MaterialPoint, PathCorrespondence},
     frame::Frame,
     geometry::mean_edge_length,
     mesh::Mesh,
-    paths::{PathSegment, PathType, Sheet},
+    paths::{PathPoint, PathSegment, PathType, Sheet},
     regions::starts_pair,
     settings::{Response, Settings},
     stage::StageObserver,
@@ -43,6 +43,7 @@ pub(crate) struct PathForces {
     forces: Forces,
     displacements: Displacements,
     boundary_push: BoundaryPush,
+    spread: Spread,
     /// For each segment of one path the steps over the boundary of the partner's sheet, and over that of its own.
     steps: [Vec<Vector3<f64>>; 2],
     /// Paths with targets that are pushed over a boundary instead.
@@ -82,8 +83,7 @@ impl PathForces {
     fn push_tubes(&mut self, view: &AnalysedFrame<'_>, found: &Correspondences) {
         for path in found.paths.iter().filter(|path| path.round) {
             let partner = view.analysis.paths.copies[path.copy].partner;
-            if path.copy < partner && push(view, path.copy, &mut self.boundary_push, &mut self.steps, &mut self.forces)
-            {
+            if path.copy < partner && self.push(view, path.copy) {
                 self.pushed.extend([path.copy, partner]);
             }
         }
@@ -93,7 +93,7 @@ impl PathForces {
     fn follow_targets(&mut self, view: &AnalysedFrame<'_>, found: &Correspondences) {
         for path in found.paths.iter().filter(|path| !self.pushed.contains(&path.copy)) {
             if view.settings.response == Response::Displacement {
-                let offset_m = ForceLaw::new(view.settings, path.edge_length_m).offset_m;
+                let offset_m = ForceLaw::new(view.settings, path.edge_length_m, 0.0).offset_m;
                 let two_sided = has_correspondence(found, view.analysis.paths.copies[path.copy].partner);
                 self.displacements.add_path(view.frame, found, path, offset_m, two_sided);
             } else {
@@ -125,13 +125,107 @@ impl PathForces {
             }
             let is_bi = analysis.paths.copies[copy].path_type == PathType::BoundaryInside;
             if settings.response != Response::Contour && is_bi {
-                push(view, copy, &mut self.boundary_push, &mut self.steps, &mut self.forces);
+                self.push(view, copy);
             }
             // Also beside the push: on the few BI scenes tried, shortening alone never resolved, and both were somewhat
             // faster than the push alone.
-            shorten(view, copy, &mut self.forces);
+            self.shorten(view, copy);
         }
         num_done
+    }
+
+    /// Pushes a BI path and its partner over the nearest boundaries, or a pair of paths round tubes over the nearer
+    /// boundary of both: to slip one tube out of the other takes no strain, to turn it inside out does. False where no
+    /// boundary is near or the directions to it cancel.
+    fn push(&mut self, view: &AnalysedFrame<'_>, copy: usize) -> bool {
+        let Self { boundary_push, steps, spread, forces, .. } = self;
+        let AnalysedFrame { mesh, frame, settings, .. } = *view;
+        let Some(PathOnFaces { points, segments, edge_length_m, is_closed: round, .. }) = PathOnFaces::of(view, copy)
+        else {
+            return false;
+        };
+        let path = PushedPath { mesh, frame, points, segments, settings, edge_length_m };
+        let over_partner = boundary_push.steps(&path, Sheet::Partner, &mut steps[0]);
+        let over_own = boundary_push.steps(&path, Sheet::Own, &mut steps[1]);
+        if over_partner.is_none() && over_own.is_none() {
+            return false;
+        }
+        let mut depths_m = [over_partner, over_own].map(|depth| depth.map_or(0.0, |depth| depth.greatest_m));
+        if round && let (Some(partner), Some(own)) = (over_partner, over_own) {
+            // Two tubes slip along each other: pushes over the boundary of each would be opposite and cancel.
+            let left_out = usize::from(partner.mean_m <= own.mean_m);
+            steps[left_out].fill(Vector3::zeros());
+            depths_m[left_out] = 0.0;
+        }
+        let depth_m = depths_m[0].max(depths_m[1]);
+        // On the path itself as far as its faces allow, the rest by the field round it.
+        let near_m = ForceLaw::new(settings, edge_length_m, 0.0).largest_m;
+        spread.reset(mesh.num_vertices());
+        for (index, segment) in segments.iter().enumerate() {
+            let (start, end) = (&points[index], &points[index + 1]);
+            let own = MaterialPoint::middle(mesh, segment.own, [&start.own, &end.own]);
+            let partner = MaterialPoint::middle(mesh, segment.partner, [&start.partner, &end.partner]);
+            if let (Some(own), Some(partner)) = (own, partner) {
+                // The path goes over the partner's boundary, the partner over that of the path.
+                let step = steps[0][index] - steps[1][index];
+                mesh.face(segment.own).into_iter().for_each(|vertex| spread.seed(vertex, step));
+                mesh.face(segment.partner).into_iter().for_each(|vertex| spread.seed(vertex, -step));
+                let force = limited(step, near_m) * (PUSH_WEIGHT * mass_at(mesh, &own));
+                forces.add_pair(&own, &partner, force, near_m);
+            }
+        }
+        let deep_m = ForceLaw::of_push(settings, edge_length_m, depth_m).largest_m;
+        if settings.steps_to_clean.is_finite() {
+            spread.add_to(mesh, frame, Field::of_tangle(depth_m, edge_length_m, deep_m), forces);
+        }
+        true
+    }
+
+    /// Adds the forces of contour minimisation for a path and its partner; none where the largest step has no limit.
+    fn shorten(&mut self, view: &AnalysedFrame<'_>, copy: usize) {
+        let AnalysedFrame { mesh, frame, settings, .. } = *view;
+        let Some(path) = PathOnFaces::of(view, copy) else { return };
+        // By the edges, however deep the tangle is: a field round a path without targets, tried on the scenes of
+        // `host_table`, cleaned fewer of them.
+        let largest_m = ForceLaw::new(settings, path.edge_length_m, 0.0).largest_m;
+        if largest_m.is_infinite() {
+            // The gradient has no size but the limit, and an infinite force would override all others on these vertices.
+            return;
+        }
+        // A path that is its own partner runs twice over every point of the world.
+        let share = if path.is_own_partner { 0.5 } else { 1.0 };
+        // One mass for all: only as a whole does the gradient keep momenta.
+        let strength = -share * largest_m * mean_mass_kg(mesh, path.segments);
+        length_gradient(mesh, frame, path.points, path.is_closed, GUARD, |vertex, gradient| {
+            self.forces.add(vertex, gradient * strength, largest_m);
+        });
+    }
+}
+
+/// A path with what the forces without targets have to know of it.
+struct PathOnFaces<'a> {
+    points: &'a [PathPoint],
+    segments: &'a [PathSegment],
+    /// Mean edge length of the faces that it runs through.
+    edge_length_m: f64,
+    is_closed: bool,
+    is_own_partner: bool,
+}
+
+impl<'a> PathOnFaces<'a> {
+    /// A path; nothing where its faces have no edges.
+    fn of(view: &AnalysedFrame<'a>, copy: usize) -> Option<Self> {
+        let AnalysedFrame { mesh, frame, analysis, .. } = *view;
+        let path = &analysis.paths.copies[copy];
+        let points = &analysis.paths.points[path.points.clone()];
+        let segments = &analysis.paths.segments[path.segments.clone()];
+        Some(Self {
+            points,
+            segments,
+            edge_length_m: mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own))?,
+            is_closed: path.closed,
+            is_own_partner: path.partner == copy,
+        })
     }
 }
 
@@ -147,9 +241,13 @@ fn has_correspondence(found: &Correspondences, copy: usize) -> bool {
 
 /// Adds forces between points inside and their targets, and between the sheets along the path.
 fn attract(view: &AnalysedFrame<'_>, found: &Correspondences, path: &PathCorrespondence, forces: &mut Forces) {
-    let law = ForceLaw::new(view.settings, path.edge_length_m);
-    for attraction in &found.attractions[path.attractions.clone()] {
-        let offset = attraction.target.position(view.frame) - attraction.source.position(view.frame);
+    let attractions = &found.attractions[path.attractions.clone()];
+    let offset =
+        |attraction: &Attraction| attraction.target.position(view.frame) - attraction.source.position(view.frame);
+    let depth_m = attractions.iter().map(|attraction| offset(attraction).norm()).fold(0.0, f64::max);
+    let law = ForceLaw::new(view.settings, path.edge_length_m, depth_m);
+    for attraction in attractions {
+        let offset = offset(attraction);
         let distance = offset.norm();
         // A point in its own target has no direction; the separation constraints beside it have one.
         if distance > 1e-9 * path.edge_length_m {
@@ -162,69 +260,6 @@ fn attract(view: &AnalysedFrame<'_>, found: &Correspondences, path: &PathCorresp
         let size = mass_at(view.mesh, &separation.own) * law.step(0.0) * part;
         forces.add_pair(&separation.own, &separation.partner, separation.direction * size, law.largest_m);
     }
-}
-
-/// Pushes a BI path and its partner over the nearest boundaries, or a pair of paths round tubes over the nearer
-/// boundary of both: to slip one tube out of the other takes no strain, to turn it inside out does. False where no
-/// boundary is near or the directions to it cancel.
-fn push(
-    view: &AnalysedFrame<'_>,
-    copy: usize,
-    push: &mut BoundaryPush,
-    steps: &mut [Vec<Vector3<f64>>; 2],
-    forces: &mut Forces,
-) -> bool {
-    let AnalysedFrame { mesh, frame, analysis, settings } = *view;
-    let path = &analysis.paths.copies[copy];
-    let round = path.closed;
-    let points = &analysis.paths.points[path.points.clone()];
-    let segments = &analysis.paths.segments[path.segments.clone()];
-    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else {
-        return false;
-    };
-    let law = ForceLaw::new(settings, edge_length_m);
-    let path = PushedPath { mesh, frame, points, segments, law, edge_length_m };
-    let over_partner = push.steps(&path, Sheet::Partner, &mut steps[0]);
-    let over_own = push.steps(&path, Sheet::Own, &mut steps[1]);
-    if over_partner.is_none() && over_own.is_none() {
-        return false;
-    }
-    if round && let (Some(partner), Some(own)) = (over_partner, over_own) {
-        // Two tubes slip along each other: pushes over the boundary of each would be opposite and cancel.
-        steps[usize::from(partner <= own)].fill(Vector3::zeros());
-    }
-    for (index, segment) in segments.iter().enumerate() {
-        let (start, end) = (&points[index], &points[index + 1]);
-        let own = MaterialPoint::middle(mesh, segment.own, [&start.own, &end.own]);
-        let partner = MaterialPoint::middle(mesh, segment.partner, [&start.partner, &end.partner]);
-        if let (Some(own), Some(partner)) = (own, partner) {
-            // The path goes over the partner's boundary, the partner over that of the path.
-            let step = (steps[0][index] - steps[1][index]) * PUSH_WEIGHT;
-            forces.add_pair(&own, &partner, step * mass_at(mesh, &own), law.largest_m);
-        }
-    }
-    true
-}
-
-/// Adds the forces of contour minimisation for a path and its partner; none where the largest step has no limit.
-fn shorten(view: &AnalysedFrame<'_>, copy: usize, forces: &mut Forces) {
-    let AnalysedFrame { mesh, frame, analysis, settings } = *view;
-    let path = &analysis.paths.copies[copy];
-    let points = &analysis.paths.points[path.points.clone()];
-    let segments = &analysis.paths.segments[path.segments.clone()];
-    let Some(edge_length_m) = mean_edge_length(mesh, frame, segments.iter().map(|segment| segment.own)) else { return };
-    let law = ForceLaw::new(settings, edge_length_m);
-    if law.largest_m.is_infinite() {
-        // The gradient has no size but the limit, and an infinite force would override all others on these vertices.
-        return;
-    }
-    // A path that is its own partner runs twice over every point of the world.
-    let share = if path.partner == copy { 0.5 } else { 1.0 };
-    // One mass for all: only as a whole does the gradient keep momenta.
-    let strength = -share * law.largest_m * mean_mass_kg(mesh, segments);
-    length_gradient(mesh, frame, points, path.closed, GUARD, |vertex, gradient| {
-        forces.add(vertex, gradient * strength, law.largest_m);
-    });
 }
 
 /// Mean mass of the vertices of the faces that a path runs through; 1 kg where the mesh has none.

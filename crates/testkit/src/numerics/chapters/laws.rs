@@ -133,7 +133,9 @@ fn masses(effort: Effort, decades: f64, with_zeros: bool) -> Seen {
         let frame = frame(&mesh, &sheet.positions)?;
         let edge = longest_edge(&mesh, &sheet.positions);
         for response in RESPONSES {
-            let corrections = answer(&mesh, &frame, Settings { response, ..Settings::default() })?.corrections;
+            // The limit by edges is what can be said without the depth.
+            let settings = Settings { response, steps_to_clean: f64::INFINITY, ..Settings::default() };
+            let corrections = answer(&mesh, &frame, settings)?.corrections;
             count += 1;
             if !matches!(response, Response::Rbf | Response::Contour) || decades > 100.0 {
                 continue;

@@ -69,6 +69,11 @@ fn settings_cases() -> Vec<Case> {
             })
         },
     ));
+    cases.push(Case::new("`Settings::steps_to_clean`, NaN, below 1", "`SettingsError`; infinity is allowed", |_| {
+        in_settings("steps_to_clean", &[f64::NAN, f64::NEG_INFINITY, -1.0, 0.0, 0.99], |settings, value| {
+            settings.steps_to_clean = value;
+        })
+    }));
     cases.push(Case::new("`Settings::thickness_m`, NaN, both infinities, below zero", setting, |_| {
         in_settings("thickness_m", &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0], |settings, value| {
             settings.thickness_m = Some(value);

@@ -1,4 +1,4 @@
-//! The force law, and sums of forces: opposite pairs, each spread over the vertices of the face in which it acts.
+//! Sums of forces: opposite pairs, each spread over the vertices of the face in which it acts.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,42 +7,11 @@ use crate::{
     frame::Frame,
     mesh::{Mesh, VertexId},
     respond::{Corrections, VertexFlags},
-    settings::Settings,
     sparse_map::SparseMap,
 };
 
 /// The sum of a vertex is limited to this many times the largest correction of one path.
 const LARGEST_SUM: f64 = 3.0;
-
-/// The law that turns a distance into a displacement of one step, for one path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ForceLaw {
-    /// Part of the distance that one step covers.
-    pub(crate) stiffness: f64,
-    /// Half of the gap that shall be left between the sheets, in metres.
-    pub(crate) offset_m: f64,
-    /// Largest displacement of one step, in metres.
-    pub(crate) largest_m: f64,
-}
-
-impl ForceLaw {
-    /// The law for a path through faces of a mean edge length.
-    pub(crate) fn new(settings: &Settings, edge_length_m: f64) -> Self {
-        Self {
-            stiffness: settings.stiffness_per_step2,
-            offset_m: 0.5 * settings.thickness_m.unwrap_or(edge_length_m),
-            largest_m: settings.max_step_edge_lengths * edge_length_m,
-        }
-    }
-
-    /// `min(k (d + h/2), f_max)`, in metres of displacement of one step.
-    ///
-    /// Equation 4 of Wicke, Lanker and Gross (2006) prints `max`; its text means `min`. Their law vanishes as the gap
-    /// closes, where the stiffness of the cloth stalls it: hence the offset.
-    pub(crate) fn step(&self, distance_m: f64) -> f64 {
-        (self.stiffness * (distance_m + self.offset_m)).min(self.largest_m)
-    }
-}
 
 /// Sums of forces by vertex, with what is needed to limit them.
 #[derive(Debug, Default)]
@@ -131,14 +100,6 @@ pub(crate) fn mass_at(mesh: &Mesh, point: &MaterialPoint) -> f64 {
 mod tests {
     use super::*;
     use crate::mesh::MeshDescription;
-
-    #[test]
-    fn force_law_grows_from_offset_to_limit() {
-        let law = ForceLaw { stiffness: 0.5, offset_m: 0.01, largest_m: 0.02 };
-        assert!((law.step(0.0) - 0.005).abs() < 1e-15);
-        assert!((law.step(0.01) - 0.01).abs() < 1e-15);
-        assert!((law.step(7.0) - 0.02).abs() < 1e-15);
-    }
 
     #[test]
     fn finish_limits_sums_and_skips_pinned_vertices() {

@@ -1,0 +1,165 @@
+//! Tangles at edges of 1, 1/2, 1/4, ... of the coarsest, corrected in the example host by presets and responses: the
+//! steps until each stays clean, what remains of it, and what it cost the cloth.
+//!
+//! ```sh
+//! cargo run --release -p untangled-lab --bin host_table -- [--levels N,...] [--steps N] [--methods NAME,...]
+//! [--steps-to-clean N] [--same-mask] [--verbose] [SCENE|FILE...]
+//! ```
+//!
+//! `--steps-to-clean` is the setting of that name (`inf`: forces by the edges alone). With `--same-mask` the mask round
+//! the paths is as wide in metres at all levels; its width is a number of rings otherwise, and narrower on finer meshes.
+//!
+//! Methods are presets (`fast`, `balanced`, `accurate`) and responses (`contour`, `displacement`, `coupled`, `mask`).
+//! Scenes are those of `clients/publisher`, all of them where none is named, under gravity. Files (OBJ) have their own
+//! shape as rest shape and no gravity, and are made finer by splitting each triangle in four.
+#![allow(clippy::print_stdout, reason = "prints a table")]
+
+mod inputs;
+mod run;
+
+use std::{env, error::Error};
+
+use untangle::settings::{Quality, Settings};
+use untangled_lab::names::named;
+use untangled_publisher::scenes::Scene;
+
+use crate::{
+    inputs::input,
+    run::{Run, run},
+};
+
+/// What the command line asks for.
+struct Options {
+    levels: Vec<u32>,
+    steps: usize,
+    methods: Vec<String>,
+    steps_to_clean: Option<f64>,
+    /// Whether the mask is as wide in metres at all levels.
+    is_mask_kept: bool,
+    verbose: bool,
+    inputs: Vec<String>,
+}
+
+impl Options {
+    fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
+        let methods = vec!["balanced".into()];
+        let mut options = Self {
+            levels: vec![0, 1, 2],
+            steps: 100,
+            methods,
+            steps_to_clean: None,
+            is_mask_kept: false,
+            verbose: false,
+            inputs: Vec::new(),
+        };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+            match argument.as_str() {
+                "--levels" => options.levels = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
+                "--steps" => options.steps = value()?.parse()?,
+                "--methods" => options.methods = value()?.split(',').map(str::to_owned).collect(),
+                "--steps-to-clean" => options.steps_to_clean = Some(value()?.parse()?),
+                "--same-mask" => options.is_mask_kept = true,
+                "--verbose" => options.verbose = true,
+                _ => options.inputs.push(argument),
+            }
+        }
+        if options.inputs.is_empty() {
+            options.inputs = Scene::SINGLE.map(str::to_owned).to_vec();
+        }
+        Ok(options)
+    }
+
+    /// The settings of a preset or of a response by its name, at a level.
+    fn settings(&self, method: &str, level: u32) -> Result<Settings, Box<dyn Error>> {
+        let mut settings = Settings::default();
+        settings.steps_to_clean = self.steps_to_clean.unwrap_or(settings.steps_to_clean);
+        settings.path_rings <<= if self.is_mask_kept { level } else { 0 };
+        match named::<Quality>(method) {
+            Ok(quality) => quality.apply(&mut settings),
+            Err(_) => settings.response = named(method)?,
+        }
+        Ok(settings)
+    }
+}
+
+/// All runs of one method.
+#[derive(Default)]
+struct Summary {
+    runs: usize,
+    clean: usize,
+    worse: usize,
+    steps: usize,
+    /// Inputs, and those that came clean at all levels in steps that differ by a factor of at most 1.5 or by one.
+    inputs: usize,
+    even: usize,
+}
+
+impl Summary {
+    fn add(&mut self, run: &Run, limit: usize) {
+        self.runs += 1;
+        self.clean += usize::from(run.steps.is_some());
+        self.worse += usize::from(run.after > run.before);
+        self.steps += run.steps.unwrap_or(limit);
+    }
+
+    /// Adds the steps of one input at all levels.
+    fn add_input(&mut self, steps: &[Option<usize>]) {
+        self.inputs += 1;
+        let Some(steps) = steps.iter().copied().collect::<Option<Vec<usize>>>() else { return };
+        let (fewest, most) = (steps.iter().min().copied().unwrap_or(0), steps.iter().max().copied().unwrap_or(0));
+        self.even += usize::from(2 * most <= 3 * fewest || most <= fewest + 1);
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse(env::args().skip(1))?;
+    let columns = ["input", "vertices", "method", "before", "steps", "after", "most", "distortion", "left", "ms/step"];
+    println!("| {} |\n|{}", columns.join(" | "), "---|".repeat(columns.len()));
+    let mut summaries: Vec<Summary> = options.methods.iter().map(|_| Summary::default()).collect();
+    for name in &options.inputs {
+        let mut steps = vec![Vec::new(); options.methods.len()];
+        for &level in &options.levels {
+            let input = input(name, level)?;
+            for ((method, summary), steps) in options.methods.iter().zip(&mut summaries).zip(&mut steps) {
+                match run(&input, &options.settings(method, level)?, options.steps, options.verbose) {
+                    Ok(run) => {
+                        summary.add(&run, options.steps);
+                        steps.push(run.steps);
+                        print_row(
+                            &format!("{} /{}", input.name, 1 << level),
+                            input.cloth.positions.len(),
+                            method,
+                            &run,
+                        );
+                    }
+                    Err(error) => println!("{}: {error}", input.name),
+                }
+            }
+        }
+        summaries.iter_mut().zip(&steps).for_each(|(summary, steps)| summary.add_input(steps));
+    }
+    print_summaries(&options, &summaries);
+    Ok(())
+}
+
+fn print_row(name: &str, vertices: usize, method: &str, run: &Run) {
+    let Run { before, after, most, steps, distortion, left: [force, torque], time, busy_steps } = *run;
+    let steps = steps.map_or("-".into(), |steps| steps.to_string());
+    let ms = 1e3 * time.as_secs_f64() / f64::from(busy_steps.max(1));
+    let after = if after > before { format!("**{after}**") } else { after.to_string() };
+    println!(
+        "| {name} | {vertices} | {method} | {before} | {steps} | {after} | {most} | {distortion:.2} | {:.0e} | {ms:.2} |",
+        force.max(torque)
+    );
+}
+
+fn print_summaries(options: &Options, summaries: &[Summary]) {
+    println!("\n| method | clean | even | steps, mean | ended worse |\n|---|---|---|---|---|");
+    for (method, summary) in options.methods.iter().zip(summaries) {
+        let Summary { runs, clean, worse, steps, inputs, even } = *summary;
+        #[expect(clippy::cast_precision_loss, reason = "counts of runs")]
+        let mean = steps as f64 / runs.max(1) as f64;
+        println!("| {method} | {clean} of {runs} | {even} of {inputs} | {mean:.1} | {worse} |");
+    }
+}

@@ -1,0 +1,110 @@
+//! One input in the example host, with corrections, until it stays clean.
+
+use std::{
+    error::Error,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use nalgebra::{Point3, Vector3};
+use untangle::{
+    frame::Frame,
+    respond::Corrections,
+    settings::{Response, Settings},
+    untangler::Untangler,
+};
+use untangled_checker::count_edge_face;
+use untangled_lab::host::{DT_S, Taken, mesh_of};
+use untangled_publisher::solver::{Parameters, Solver};
+use untangled_testkit::generate::mirrored::Knowledge;
+
+use crate::inputs::Input;
+
+/// A state is held when it stays clean for so many steps.
+const HELD: usize = 5;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Run {
+    /// Edge-face intersections at the start, at the end, and the most in between.
+    pub(crate) before: usize,
+    pub(crate) after: usize,
+    pub(crate) most: usize,
+    /// Steps to the first clean state that was held.
+    pub(crate) steps: Option<usize>,
+    /// The ratio of an edge to its length at rest that is farthest from 1, as a factor of at least 1, at the end.
+    pub(crate) distortion: f64,
+    /// The most that was left of momentum and of angular momentum, as parts of the sums of lengths.
+    pub(crate) left: [f64; 2],
+    /// Time of analysis and response, and of how many tangled steps.
+    pub(crate) time: Duration,
+    pub(crate) busy_steps: u32,
+}
+
+/// Simulates an input for at most `most_steps`.
+///
+/// # Errors
+/// An input that is no cloth.
+pub(crate) fn run(input: &Input, settings: &Settings, most_steps: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
+    let parameters = Parameters::of_cloth(&input.cloth, input.gravity_m_s2);
+    let mut solver = Solver::new(input.cloth.clone(), parameters);
+    let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
+    let mut untangler = Untangler::new(mesh, settings.clone())?;
+    let (mut run, mut taken, mut clean_steps) = (Run::default(), Taken::default(), 0);
+    for step in 0..=most_steps {
+        let points = solver.cloth().points();
+        run.after = count_edge_face(&points, &solver.cloth().triangles)?;
+        run.most = run.most.max(run.after);
+        if step == 0 {
+            run.before = run.after;
+        }
+        clean_steps = if run.after == 0 { clean_steps + 1 } else { 0 };
+        if clean_steps > HELD {
+            run.steps = Some(step - HELD);
+        }
+        if run.steps.is_some() || step == most_steps {
+            break;
+        }
+        let frame = Frame::new(untangler.mesh(), &points)?;
+        let begin = Instant::now();
+        let outcome = untangler.process(&frame, &mut ());
+        let time = begin.elapsed();
+        let corrections = outcome.corrections;
+        if run.after > 0 {
+            run.time += time;
+            run.busy_steps += 1;
+            let left = left_over(&frame, corrections, settings.response);
+            run.left = std::array::from_fn(|which| run.left[which].max(left[which]));
+        }
+        if verbose {
+            let pairs = outcome.analysis.paths.pairs.iter().map(|pair| (pair.pair_type, pair.num_segments));
+            let moved = corrections.max_displacement_m;
+            println!("  {step:>4} {:>5} {moved:.5} {:?}", run.after, pairs.collect::<Vec<_>>());
+        }
+        taken.take_values(corrections, solver.masses_kg(), settings.response);
+        taken.take_mask(corrections);
+        solver.step(DT_S, taken.help());
+    }
+    run.distortion = solver.cloth().worst_edge_ratio().ln().abs().exp();
+    Ok(run)
+}
+
+/// Net momentum and net angular momentum as parts of the sums of lengths: of forces before the limit and the pins, as
+/// in the correction's header, of displacements as they are.
+fn left_over(frame: &Frame, corrections: &Corrections, response: Response) -> [f64; 2] {
+    let sum: Vector3<f64> = frame.positions().iter().map(|position| position.coords).sum();
+    #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
+    let centre = Point3::from(sum / frame.positions().len() as f64);
+    let arms = || frame.positions().iter().map(|position| position - centre).zip(&corrections.forces);
+    let (net_force, net_torque) = match response {
+        Response::Displacement | Response::Coupled => {
+            (corrections.forces.iter().sum(), arms().map(|(arm, force)| arm.cross(force)).sum())
+        }
+        Response::Rbf | Response::Contour | Response::Mask => (corrections.net_force, corrections.net_torque),
+    };
+    let part = |sum: Vector3<f64>, lengths: f64| if lengths > 0.0 { sum.norm() / lengths } else { 0.0 };
+    [
+        part(net_force, corrections.forces.iter().map(Vector3::norm).sum()),
+        part(net_torque, arms().map(|(arm, force)| arm.norm() * force.norm()).sum()),
+    ]
+}
