@@ -50,10 +50,7 @@ fn steps_to_clean(cloth: Cloth, settings: &Settings) -> Option<usize> {
         let velocity_change_m_s: Vec<Vector3<f64>> = steps.map(|step| step / DT_S).collect();
         let mask = |flags: &VertexFlags| flags.contains(VertexFlags::INSIDE) || flags.contains(VertexFlags::NEAR_PATH);
         let no_contact: Vec<bool> = corrections.flags.iter().map(mask).collect();
-        solver.step(
-            DT_S,
-            Help { velocity_change_m_s: &velocity_change_m_s, displacement_m: &[], no_contact: &no_contact },
-        );
+        solver.step(DT_S, Help { velocity_change_m_s: &velocity_change_m_s, no_contact: &no_contact, ..Help::NONE });
     }
     None
 }
