@@ -72,8 +72,8 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("settings.max_step_edge_lengths", "Largest correction of a vertex in a step, in mean edge lengths."),
     (
         "settings.steps_to_clean",
-        "Steps in which forces shall take a free point out of a tangle, whatever the edges are; inf leaves the limit to \
-         the edges.",
+        "Steps in which forces shall take a free point out of a tangle, whatever the edges are; inf leaves the limit \
+         to the edges.",
     ),
     ("settings.thickness_m", THICKNESS),
     ("settings.max_face_pairs", FACE_PAIRS),

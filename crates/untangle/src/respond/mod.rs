@@ -3,8 +3,8 @@
 //! Units: a force is in kg m / step^2, so that force over mass is the displacement of one step. `h` is the mean edge
 //! length of the faces that the path runs through, `m` the mass of the point at which the force acts, `k` is
 //! `stiffness_per_step2`, `D` the depth of the tangle, `f_max` is `max_step_edge_lengths * max(h, 10 D / n^2)` with `n`
-//! `steps_to_clean` (for a push 5/3 of it), `o` half the thickness of the cloth, or half of the larger of `h` and `D / 5`
-//! where none is set. Numbers in brackets are equations of Wicke, Lanker and Gross (2006).
+//! `steps_to_clean` (for a push 5/3 of it), `o` half the thickness of the cloth, or half of the larger of `h` and `D /
+//! 5` where none is set. Numbers in brackets are equations of Wicke, Lanker and Gross (2006).
 //!
 //! - Force law: `F(d) = min(k (d + o), f_max)`. Equation (4) prints `max(k d, f_max)`; the text says `min`, and without
 //!   `o` the force vanishes with the gap, where the stiffness of the cloth stalls it.
@@ -15,10 +15,11 @@
 //!   small regions need it.
 //! - Boundary push of segment `i` of a BI path: `2 m (s'_i - s_i)` and its opposite in the other sheet, with `s'` the
 //!   mean over the path of `F(h(u)) (-grad h)` on the partner and `s` the same on its own sheet. Equations (6) and (7)
-//!   act on all vertices of the path's faces, which keeps linear momentum only. Its limit is `max_step_edge_lengths * h`.
-//! - Field round a pushed path, in a tangle deeper than `h`: the same steps, from the path on along the edges up to four
-//!   times `D`, fading, less the rigid motion that takes their net force and torque away. The paper has none; the faces
-//!   along a path have the less mass the finer the mesh is.
+//!   act on all vertices of the path's faces, which keeps linear momentum only. Its limit is `max_step_edge_lengths *
+//!   h`.
+//! - Field round a pushed path, in a tangle deeper than `h`: the same steps, from the path on along the edges up to
+//!   four times `D`, fading, less the rigid motion that takes their net force and torque away. The paper has none; the
+//!   faces along a path have the less mass the finer the mesh is.
 //! - Boundary push of a path round two tubes: the same, over the boundary of the one that is nearer. The paper has
 //!   none; to slip one tube off the other takes no strain.
 //! - Contour minimisation of BI and of any path without targets: `-f_max` times the mean mass along the path times the

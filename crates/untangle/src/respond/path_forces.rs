@@ -189,7 +189,8 @@ impl PathForces {
         // `host_table`, cleaned fewer of them.
         let largest_m = ForceLaw::new(settings, path.edge_length_m, 0.0).largest_m;
         if largest_m.is_infinite() {
-            // The gradient has no size but the limit, and an infinite force would override all others on these vertices.
+            // The gradient has no size but the limit, and an infinite force would override all others on these
+            // vertices.
             return;
         }
         // A path that is its own partner runs twice over every point of the world.

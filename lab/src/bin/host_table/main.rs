@@ -7,7 +7,8 @@
 //! ```
 //!
 //! `--steps-to-clean` is the setting of that name (`inf`: forces by the edges alone). With `--same-mask` the mask round
-//! the paths is as wide in metres at all levels; its width is a number of rings otherwise, and narrower on finer meshes.
+//! the paths is as wide in metres at all levels; its width is a number of rings otherwise, and narrower on finer
+//! meshes.
 //!
 //! Methods are presets (`fast`, `balanced`, `accurate`) and responses (`contour`, `displacement`, `coupled`, `mask`).
 //! Scenes are those of `clients/publisher`, all of them where none is named, under gravity. Files (OBJ) have their own
@@ -148,9 +149,10 @@ fn print_row(name: &str, vertices: usize, method: &str, run: &Run) {
     let steps = steps.map_or("-".into(), |steps| steps.to_string());
     let ms = 1e3 * time.as_secs_f64() / f64::from(busy_steps.max(1));
     let after = if after > before { format!("**{after}**") } else { after.to_string() };
+    let left = force.max(torque);
     println!(
-        "| {name} | {vertices} | {method} | {before} | {steps} | {after} | {most} | {distortion:.2} | {:.0e} | {ms:.2} |",
-        force.max(torque)
+        "| {name} | {vertices} | {method} | {before} | {steps} | {after} | {most} | {distortion:.2} | {left:.0e} \
+         | {ms:.2} |"
     );
 }
 

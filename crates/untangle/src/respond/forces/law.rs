@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 
 use crate::settings::{DEFAULT_MAX_STEP_EDGE_LENGTHS as DEFAULT_STEP, Settings};
 
-/// What stands in for a thickness that is not set is at least this part of the depth of the tangle. With the edges alone
-/// the rim of a deep region lags behind on fine meshes: two scenes of `host_table` took twice the steps with edges of a
-/// quarter; twice as much changed nothing.
+/// What stands in for a thickness that is not set is at least this part of the depth of the tangle. With the edges
+/// alone the rim of a deep region lags behind on fine meshes: two scenes of `host_table` took twice the steps with
+/// edges of a quarter; twice as much changed nothing.
 const THICKNESS_PER_DEPTH: f64 = 0.2;
 
 /// A push over a boundary takes this many times the steps of an attraction. It takes whole sheets along and does not

@@ -110,7 +110,8 @@ impl Spread {
         }
     }
 
-    /// Adds `part` of the forces on all vertices nearer than `radius_m` to the path. No step is longer than `largest_m`.
+    /// Adds `part` of the forces on all vertices nearer than `radius_m` to the path. No step is longer than
+    /// `largest_m`.
     ///
     /// Cost: O(n log n) in the vertices within the radius.
     pub(crate) fn add_to(
