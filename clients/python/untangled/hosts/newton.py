@@ -14,11 +14,12 @@ Three things help, each where the one before does not:
 
 - Forces in newtons, in `state.particle_f`, for one step.
 - Contacts between the two sides of a tangle are struck out of the solver's own list after each of its collision
-  detections (:class:`untangled.ContactFilter`); all others stay, so that cloth which leans on a tangle stands. That
+  detections (:class:`untangled.ContactFilter`); all others stay, so that less falls through that leans on it. That
   list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it lets no
   vertex move through an element that it has found near.
 - Repairs between two steps: positions move to where nothing intersects, certified, and velocities keep all but what
-  leads back. VBD lets nothing intersect that was clear of each other, so that a state once clean stays clean.
+  leads back. Where layers are pressed together the solver's own steps may tangle them again, and the next frame is
+  repaired again: clients/python/README.md has tables.
 
 Arrays may be Warp's. Those of a GPU are copied: positions to the host and forces back in each step, positions and
 velocities back with a repair, and the contact lists there and back after each detection while anything is tangled.
