@@ -76,7 +76,7 @@ def run(title, simulate, scene, options, controls=CONTROLS):
             picture.render(options.out / name, positions, triangles, layers, marked)
 
     draw("before.png", vertices)
-    columns = f"after steps with help | most in the {options.after} steps after | steps until clean"
+    columns = f"after steps with help | most in the {options.after} steps after | steps until it stays clean"
     print(f"{title}\n\n| control | edges that pierce a face: start | {columns} |")
     print("|---|---|---|---|---|", flush=True)
     good = False
@@ -88,8 +88,8 @@ def run(title, simulate, scene, options, controls=CONTROLS):
             now = count(positions)
             if phase == "help":
                 helped = now
-                if now == 0 and clean_at is None:
-                    clean_at = step + 1
+                # What is clean and tangles again was not clean.
+                clean_at = (clean_at or step + 1) if now == 0 else None
             else:
                 worst = max(worst, now)
         strained = not np.isfinite(positions).all()

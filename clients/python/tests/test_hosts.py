@@ -48,7 +48,7 @@ def test_newton_example_with_repairs_ends_clean(tmp_path):
 
 
 def test_mujoco_example_with_repairs_ends_clean(tmp_path):
-    start, helped, after = run("mujoco_towel.py", "mujoco", "repair", tmp_path, "--steps", "20", "--after", "20")
+    start, helped, after = run("mujoco_towel.py", "mujoco", "repair", tmp_path)
     assert int(start) > 20 and (helped, after) == ("0", "0")
 
 
