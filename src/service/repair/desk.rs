@@ -6,7 +6,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde::Serialize;
 use untangle::{
     frame::Frame,
     intersect::SearchLimits,
@@ -23,22 +22,10 @@ use untangled_proto::{
 use super::{
     port::RepairPort,
     progress::Progress,
+    requests::{Counts, Request, State},
     solve::{Task, solve},
 };
 use crate::service::{pool::Job, throttle::Throttle};
-
-/// A frame that is to be repaired.
-#[derive(Debug)]
-struct Request {
-    frame: u64,
-    simulated_s: f64,
-    /// `num_vertices x 3` in metres.
-    positions: Vec<[f64; 3]>,
-    limits: SearchLimits,
-    /// Most time from `asked` on.
-    time: Option<Duration>,
-    asked: Instant,
-}
 
 /// The repairs of one session. What is in work ends when the last strong reference, which the session has, is gone.
 #[derive(Debug)]
@@ -48,26 +35,6 @@ pub(crate) struct RepairDesk {
     precision: Precision,
     port: RepairPort,
     state: Mutex<State>,
-}
-
-#[derive(Debug, Default)]
-struct State {
-    /// The newest request that is not in work.
-    waiting: Option<Request>,
-    /// Whether a job of this session is queued or in work.
-    has_job: bool,
-    counts: Counts,
-}
-
-/// Counts of a session's repairs since it was registered.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct Counts {
-    /// Repairs that were sent.
-    pub(crate) num_sent: u64,
-    /// Those of them that are certified.
-    pub(crate) num_certified: u64,
-    /// Requests that a newer one replaced while they waited.
-    pub(crate) num_replaced: u64,
 }
 
 /// Answers the requests of one session, one after the other.
@@ -139,7 +106,7 @@ impl RepairDesk {
 
     /// Whether a repair is in work, or about to be.
     fn is_busy(&self) -> bool {
-        self.state().has_job
+        self.state().is_busy()
     }
 
     pub(crate) fn counts(&self) -> Counts {
@@ -149,13 +116,6 @@ impl RepairDesk {
     fn state(&self) -> MutexGuard<'_, State> {
         // Nothing panics while it is held.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Ends a job; whether another request waits, for which it goes on.
-    fn goes_on(&self) -> bool {
-        let mut state = self.state();
-        state.has_job = state.waiting.is_some();
-        state.has_job
     }
 
     fn send(&self, header: &mut RepairHeader, displacements: &[[f64; 3]]) {
@@ -198,14 +158,16 @@ impl Job for RepairJob {
         let Self(desk) = &self;
         let (request, mesh, precision, session) = {
             let desk = desk.upgrade()?;
-            let request = desk.state().waiting.take();
+            let request = desk.state().begin();
             (request, Arc::clone(&desk.mesh), desk.precision, desk.session)
         };
         if let Some(request) = request {
             let (mut header, displacements) = answer(&request, &mesh, precision, session, desk);
-            desk.upgrade()?.send(&mut header, &displacements);
+            let desk = desk.upgrade()?;
+            desk.state().is_working = false;
+            desk.send(&mut header, &displacements);
         }
-        let goes_on = desk.upgrade()?.goes_on();
+        let goes_on = desk.upgrade()?.state().goes_on();
         goes_on.then_some(self)
     }
 }

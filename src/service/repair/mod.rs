@@ -25,9 +25,11 @@ mod displacement;
 mod distortion;
 mod port;
 mod progress;
+mod requests;
 mod solve;
 mod workers;
 
-pub(crate) use desk::{Counts, RepairDesk};
+pub(crate) use desk::RepairDesk;
 pub(crate) use port::RepairPort;
+pub(crate) use requests::Counts;
 pub(crate) use workers::RepairWorkers;
