@@ -109,8 +109,10 @@ impl ContactFilter {
         }
     }
 
+    /// Whether a vertex has labels: contacts of it may be off.
     #[inline]
-    fn has_labels(&self, vertex: u32) -> bool {
+    #[must_use]
+    pub fn has_labels(&self, vertex: u32) -> bool {
         self.first.get(vertex as usize).is_some_and(|&first| first != 0)
     }
 

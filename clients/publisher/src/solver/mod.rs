@@ -77,6 +77,12 @@ pub struct Help<'a> {
 }
 
 impl Help<'_> {
+    /// Whether some contact of a vertex is off.
+    fn is_off(&self, vertex: usize) -> bool {
+        let is_labelled = |filter: &ContactFilter| u32::try_from(vertex).is_ok_and(|vertex| filter.has_labels(vertex));
+        self.no_contact.get(vertex).is_some_and(|&is_off| is_off) || self.contact_filter.is_some_and(is_labelled)
+    }
+
     /// No help at all.
     pub const NONE: Self =
         Help { velocity_change_m_s: &[], displacement_m: &[], no_contact: &[], contact_filter: None };
@@ -174,7 +180,7 @@ impl Solver {
                 *velocity = (*velocity + self.parameters.gravity_m_s2 * substep_s + pushed) * kept;
                 // Contact was searched no farther than this, and not at all where it is off.
                 let speed = velocity.norm();
-                if speed > fastest_m_s && !help.no_contact.get(vertex).is_some_and(|&is_off| is_off) {
+                if speed > fastest_m_s && !help.is_off(vertex) {
                     *velocity *= fastest_m_s / speed;
                 }
                 self.cloth.positions[vertex] += *velocity * substep_s;

@@ -3,12 +3,12 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin host_table -- [--levels N,...] [--steps N] [--methods NAME,...]
-//! [--steps-to-clean N] [--same-mask] [--verbose] [SCENE|FILE...]
+//! [--steps-to-clean N] [--labels] [--same-mask] [--verbose] [SCENE|FILE...]
 //! ```
 //!
 //! `--steps-to-clean` is the setting of that name (`inf`: forces by the edges alone). With `--same-mask` the mask round
 //! the paths is as wide in metres at all levels; its width is a number of rings otherwise, and narrower on finer
-//! meshes.
+//! meshes. With `--labels` the host leaves out single contacts instead of masking vertices.
 //!
 //! Methods are presets (`fast`, `balanced`, `accurate`) and responses (`contour`, `displacement`, `coupled`, `mask`).
 //! Scenes are those of `clients/publisher`, all of them where none is named, under gravity. Files (OBJ) have their own
@@ -26,18 +26,17 @@ use untangled_publisher::scenes::Scene;
 
 use crate::{
     inputs::input,
-    run::{Run, run},
+    run::{How, Run, run},
 };
 
 /// What the command line asks for.
 struct Options {
     levels: Vec<u32>,
-    steps: usize,
+    how: How,
     methods: Vec<String>,
     steps_to_clean: Option<f64>,
     /// Whether the mask is as wide in metres at all levels.
     is_mask_kept: bool,
-    verbose: bool,
     inputs: Vec<String>,
 }
 
@@ -46,22 +45,22 @@ impl Options {
         let methods = vec!["balanced".into()];
         let mut options = Self {
             levels: vec![0, 1, 2],
-            steps: 100,
+            how: How { most_steps: 100, labels: false, verbose: false },
             methods,
             steps_to_clean: None,
             is_mask_kept: false,
-            verbose: false,
             inputs: Vec::new(),
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
             match argument.as_str() {
                 "--levels" => options.levels = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
-                "--steps" => options.steps = value()?.parse()?,
+                "--steps" => options.how.most_steps = value()?.parse()?,
                 "--methods" => options.methods = value()?.split(',').map(str::to_owned).collect(),
                 "--steps-to-clean" => options.steps_to_clean = Some(value()?.parse()?),
                 "--same-mask" => options.is_mask_kept = true,
-                "--verbose" => options.verbose = true,
+                "--labels" => options.how.labels = true,
+                "--verbose" => options.how.verbose = true,
                 _ => options.inputs.push(argument),
             }
         }
@@ -123,9 +122,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         for &level in &options.levels {
             let input = input(name, level)?;
             for ((method, summary), steps) in options.methods.iter().zip(&mut summaries).zip(&mut steps) {
-                match run(&input, &options.settings(method, level)?, options.steps, options.verbose) {
+                match run(&input, &options.settings(method, level)?, &options.how) {
                     Ok(run) => {
-                        summary.add(&run, options.steps);
+                        summary.add(&run, options.how.most_steps);
                         steps.push(run.steps);
                         print_row(
                             &format!("{} /{}", input.name, 1 << level),

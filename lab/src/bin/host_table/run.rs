@@ -41,15 +41,26 @@ pub(crate) struct Run {
     pub(crate) busy_steps: u32,
 }
 
-/// Simulates an input for at most `most_steps`.
+/// How an input is simulated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct How {
+    pub(crate) most_steps: usize,
+    /// Whether the host leaves out single contacts by labels, instead of masking vertices.
+    pub(crate) labels: bool,
+    pub(crate) verbose: bool,
+}
+
+/// Simulates an input until it stays clean.
 ///
 /// # Errors
 /// An input that is no cloth.
-pub(crate) fn run(input: &Input, settings: &Settings, most_steps: usize, verbose: bool) -> Result<Run, Box<dyn Error>> {
+pub(crate) fn run(input: &Input, settings: &Settings, how: &How) -> Result<Run, Box<dyn Error>> {
+    let How { most_steps, labels, verbose } = *how;
     let parameters = Parameters::of_cloth(&input.cloth, input.gravity_m_s2);
     let mut solver = Solver::new(input.cloth.clone(), parameters);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
     let mut untangler = Untangler::new(mesh, settings.clone())?;
+    untangler.set_labelled(labels);
     let (mut run, mut taken, mut clean_steps) = (Run::default(), Taken::default(), 0);
     for step in 0..=most_steps {
         let points = solver.cloth().points();
@@ -82,7 +93,11 @@ pub(crate) fn run(input: &Input, settings: &Settings, most_steps: usize, verbose
             println!("  {step:>4} {:>5} {moved:.5} {:?}", run.after, pairs.collect::<Vec<_>>());
         }
         taken.take_values(corrections, solver.masses_kg(), settings.response);
-        taken.take_mask(corrections);
+        if labels {
+            taken.take_labels(corrections);
+        } else {
+            taken.take_mask(corrections);
+        }
         solver.step(DT_S, taken.help());
     }
     run.distortion = solver.cloth().worst_edge_ratio().ln().abs().exp();
