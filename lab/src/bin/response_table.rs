@@ -210,9 +210,9 @@ fn print_head(markdown: bool, most: usize, edge_m: f64) {
     );
     print_text(&format!(
         "Scenes and simulator are those of `clients/publisher`, edges of {edge_m} m, steps of 1/60 s, at most {most}. \
-         `before` and `after` are\nedge-face hits by its exact check, which shares no code with the untangler; `steps` \
-         is the number of steps to the first clean state,\n`held` whether the next {HELD} were clean too, `stretch` \
-         the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and\nresponse of a tangled \
+         `before` and `after` are edge-face hits by its exact check, which shares no code with the untangler; `steps` \
+         is the number of steps to the first clean state, `held` whether the next {HELD} were clean too, `stretch` \
+         the edge ratio to rest that is farthest from 1 at the end, `ms/step` analysis and response of a tangled \
          step, on one machine and to be compared within the table only.\n"
     ));
     println!("| scene | method | before | steps | held | after | stretch | ms/step |");
