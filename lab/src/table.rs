@@ -13,14 +13,24 @@ pub fn print_text(text: &str) {
     println!("{}", wrapped(text));
 }
 
-/// A document whose paragraphs are wrapped. Tables, headings and blocks of code stay as they are.
+/// A document whose paragraphs and items are joined and wrapped. Tables, headings and blocks of code stay as they are.
 #[must_use]
 pub fn wrapped(text: &str) -> String {
-    let mut in_code = false;
-    let lines = text.split('\n').map(|line| {
-        in_code ^= line.starts_with("```");
-        if in_code || line.starts_with(['|', '#', '`']) { line.to_owned() } else { wrapped_line(line) }
-    });
+    let (mut in_code, mut is_open) = (false, false);
+    let mut blocks: Vec<(bool, String)> = Vec::new();
+    for line in text.split('\n') {
+        let is_fence = line.starts_with("```");
+        in_code ^= is_fence;
+        let is_prose = !in_code && !is_fence && !line.is_empty() && !line.starts_with(['|', '#']);
+        if let Some((_, block)) = blocks.last_mut().filter(|_| is_open && is_prose && !line.starts_with("- ")) {
+            block.push(' ');
+            block.push_str(line.trim_start());
+        } else {
+            blocks.push((is_prose, line.to_owned()));
+        }
+        is_open = is_prose;
+    }
+    let lines = blocks.into_iter().map(|(is_prose, block)| if is_prose { wrapped_line(&block) } else { block });
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -55,5 +65,12 @@ mod tests {
         assert!(result.lines().filter(|line| line.len() > MAX_COLUMNS).count() == 2);
         let split = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(split(&result), split(&text));
+    }
+
+    #[test]
+    fn wrapped_text_joins_lines_of_a_paragraph_and_of_an_item_only() {
+        let text = "One\n`two`.\n\n- three\n  four\n- five\n\n| a |\n| b |\n\n```\nsix\nseven\n```\neight";
+        let expected = "One `two`.\n\n- three four\n- five\n\n| a |\n| b |\n\n```\nsix\nseven\n```\neight";
+        assert_eq!(wrapped(text), expected);
     }
 }
