@@ -35,10 +35,11 @@ impl Default for Arrival {
     }
 }
 
+/// A vertex of a front that is not final yet, in a heap: the nearest is first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct TrialVertex {
-    distance_m: f64,
-    vertex: VertexId,
+pub(crate) struct TrialVertex {
+    pub(crate) distance_m: f64,
+    pub(crate) vertex: VertexId,
 }
 
 impl Eq for TrialVertex {}

@@ -1,6 +1,6 @@
 //! Displacements of one step along a path, carried on to its surroundings: what has to move with it.
 
-use std::{cmp::Ordering, collections::BinaryHeap};
+use std::collections::BinaryHeap;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     frame::Frame,
+    geodesic::TrialVertex,
     mesh::{Mesh, VertexId},
     sparse_map::SparseMap,
 };
@@ -43,27 +44,6 @@ struct Reached {
 impl Default for Reached {
     fn default() -> Self {
         Self { sum: Vector3::zeros(), weight: 0.0, distance_m: f64::INFINITY, is_final: false }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct TrialVertex {
-    distance_m: f64,
-    vertex: VertexId,
-}
-
-impl Eq for TrialVertex {}
-
-impl Ord for TrialVertex {
-    fn cmp(&self, other: &Self) -> Ordering {
-        // Reversed, since the heap gives the greatest: the nearest first, then the lowest vertex.
-        other.distance_m.total_cmp(&self.distance_m).then(other.vertex.cmp(&self.vertex))
-    }
-}
-
-impl PartialOrd for TrialVertex {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
     }
 }
 
