@@ -8,6 +8,7 @@
 //! | `input` | mesh files as one world, for `check` and `fix` |
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
+//! | `gap` | `--gap`: the distance that primitives keep |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -16,6 +17,7 @@ pub mod check;
 mod config;
 pub mod demo;
 pub mod fix;
+pub mod gap;
 pub mod input;
 mod outcome;
 mod owners;

@@ -7,6 +7,7 @@ mod demo;
 mod fix;
 mod fix_files;
 mod fix_inputs;
+mod gap;
 mod manual;
 mod mesh_folder;
 mod publish;

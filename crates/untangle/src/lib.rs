@@ -43,6 +43,8 @@ pub mod simd;
 
 pub mod intersect;
 
+pub mod proximity;
+
 pub mod paths;
 
 pub mod regions;

@@ -24,6 +24,7 @@ use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
 
 use super::{
     certificate::Certificate,
+    gap::{Asked, GapArgs, GapError, GapReport},
     input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
@@ -34,7 +35,8 @@ use report::StageTimes;
 
 /// Finds all intersections of one mesh, or of several in one world.
 ///
-/// Exit code: 0 without intersections, 1 with, 2 for bad input.
+/// Exit code: 0 without intersections, 1 with, or where primitives are nearer than a gap that was asked for; 2 for bad
+/// input.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
     /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
@@ -59,6 +61,9 @@ pub struct CheckArgs {
     /// none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
+    /// `--gap` and `--gap-for`.
+    #[command(flatten)]
+    pub gap: GapArgs,
     /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
@@ -70,6 +75,9 @@ pub enum CheckError {
     /// The files can't be analysed.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The gap can't be checked.
+    #[error(transparent)]
+    Gap(#[from] GapError),
     /// `--contours` names neither OBJ nor PLY.
     #[error("{}: contours are written as .obj or .ply", .0.display())]
     ContoursFormat(PathBuf),
@@ -99,14 +107,16 @@ pub enum CheckError {
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let contours =
         args.contours.as_deref().map(|path| contours_format(path, &args.files, args.overwrite)).transpose()?;
-    let (mut report, analysis) = check_within(&args.files, args.weld, args.face_pairs, args.max_face_pairs)?;
+    let (mut report, analysis) =
+        check_within(&args.files, args.weld, args.face_pairs, args.max_face_pairs, args.gap.asked())?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
     report.verbose = args.verbose;
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
-    Ok(if report.num_face_pairs > 0 { Outcome::Remaining } else { Outcome::Clean })
+    let is_too_close = report.gap.as_ref().is_some_and(|gap| gap.num_pairs_below > 0);
+    Ok(if report.num_face_pairs > 0 || is_too_close { Outcome::Remaining } else { Outcome::Clean })
 }
 
 /// Reads and analyses files as one world, with the usual limit on what may intersect.
@@ -114,7 +124,7 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
 pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
-    check_within(files, weld, list_face_pairs, MAX_FACE_PAIRS)
+    check_within(files, weld, list_face_pairs, MAX_FACE_PAIRS, None)
 }
 
 fn check_within(
@@ -122,6 +132,7 @@ fn check_within(
     weld: WeldArg,
     list_face_pairs: bool,
     max_face_pairs: u64,
+    gap: Option<Asked>,
 ) -> Result<(Report, Analysis), CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
@@ -132,9 +143,15 @@ fn check_within(
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
     clock.start(StageTimes::CERTIFY);
     let certificate = Certificate::of(&meshes, &input);
+    let owners = Owners::new(&meshes);
+    if gap.is_some() {
+        clock.start(StageTimes::GAP);
+    }
+    let gap = gap.map(|asked| GapReport::of(&asked, &input, &owners)).transpose()?;
     StageObserver::end(&mut clock);
     let mut report = Report::new(files, &input, &analysis, certificate, clock.times, list_face_pairs);
-    report.meetings = Meeting::of(&analysis, &Owners::new(&meshes));
+    report.meetings = Meeting::of(&analysis, &owners);
+    report.gap = gap;
     Ok((report, analysis))
 }
 

@@ -19,6 +19,7 @@ use untangle::{
 use super::meetings::{Meeting, MeetingTable};
 use crate::cli::{
     certificate::Certificate,
+    gap::GapReport,
     input::Input,
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
@@ -63,6 +64,9 @@ pub struct Report {
     pub certificate: Certificate,
     /// Who intersects whom, where files, objects or groups have names; most pairs first.
     pub meetings: Vec<Meeting>,
+    /// The distances of primitives, if a gap was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<GapReport>,
     /// Time of each stage.
     pub time_us: StageTimes,
     /// Whether people are told the times.
@@ -111,6 +115,7 @@ impl StageTimes {
     pub(super) const READ: &'static str = "read";
     pub(super) const MESH: &'static str = "mesh";
     pub(super) const CERTIFY: &'static str = "certify";
+    pub(super) const GAP: &'static str = "gap";
 
     pub(super) fn add(&mut self, stage: &'static str, time: Duration) {
         self.0.push((stage, u64::try_from(time.as_micros()).unwrap_or(u64::MAX)));
@@ -204,6 +209,7 @@ impl Report {
             face_pairs: list_face_pairs.then(face_pairs),
             certificate,
             meetings: Vec::new(),
+            gap: None,
             verbose: false,
             time_us,
         }
@@ -246,6 +252,9 @@ impl Display for Report {
         }
         if self.num_face_pairs == 0 && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
+        }
+        if let Some(gap) = &self.gap {
+            write!(f, "{gap}")?;
         }
         if let Some(face_pairs) = &self.face_pairs {
             writeln!(f, "\n  face pairs")?;

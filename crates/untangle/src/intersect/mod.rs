@@ -26,6 +26,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bvh::{Bvh, NodePair, PointF32};
 pub use exact::do_intersect;
 pub use intersections::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd};
 pub use intersector::Intersector;

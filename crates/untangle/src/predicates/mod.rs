@@ -6,15 +6,20 @@
 //! unmoved determinant is found by adaptive exact arithmetic (Shewchuk 1997, crate `robust`); only where it is exactly
 //! zero, the sign of the first coefficient of the perturbation that does not vanish decides.
 //!
-//! The arithmetic is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates
+//! Distances against a given one are decided exactly as well (`distance`), without a perturbation: they are no part of
+//! the topology.
+//!
+//! The arithmetic of signs is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates
 //! in the range where that holds.
 
+pub(crate) mod distance;
 mod orientation;
 mod perturbation;
 mod plane;
 #[cfg(test)]
 mod tests;
 
+pub use distance::{are_edges_nearer, is_vertex_nearer};
 pub use orientation::{are_coplanar, side_of_plane};
 pub(crate) use plane::Plane;
 

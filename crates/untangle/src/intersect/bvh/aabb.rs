@@ -7,6 +7,10 @@ use crate::simd::{F32_LANES, F32x8Lanes, InstructionSet};
 /// Children of a node and faces of a leaf: as many boxes as a vector has lanes.
 pub(crate) const WIDTH: usize = F32_LANES;
 
+/// More than the roundings of a coordinate of either box, relative to the nearer one: `8 u` of single precision. Two
+/// that are rounded past each other differ by less than that.
+pub(crate) const FAR_ROUNDING: f32 = 4.0 * f32::EPSILON;
+
 /// An axis-aligned bounding box: its lowest and its highest corner.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aabb {
@@ -65,6 +69,21 @@ impl AabbX8 {
             for slot in 0..WIDTH {
                 boxes.min[axis][slot] -= margin;
                 boxes.max[axis][slot] += margin;
+            }
+        }
+        boxes
+    }
+
+    /// The same boxes, larger by `margin` and by what rounds far coordinates. Empty boxes stay empty.
+    pub(crate) fn inflated_far(&self, margin: f32) -> Self {
+        let mut boxes = *self;
+        for axis in 0..3 {
+            for slot in 0..WIDTH {
+                let (low, high) = (boxes.min[axis][slot], boxes.max[axis][slot]);
+                if low <= high {
+                    boxes.min[axis][slot] = (low - (margin + FAR_ROUNDING * low.abs())).max(f32::MIN);
+                    boxes.max[axis][slot] = (high + (margin + FAR_ROUNDING * high.abs())).min(f32::MAX);
+                }
             }
         }
         boxes

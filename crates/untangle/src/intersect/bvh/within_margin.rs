@@ -1,13 +1,89 @@
-//! Pairs within a margin of each other, for separation certificates that are to last.
+//! Pairs within a margin of each other: for separation certificates that are to last, and for distances.
+
+use rayon::prelude::*;
 
 use super::{
-    aabb::{Aabb, AabbX8, WIDTH, max},
+    aabb::{Aabb, AabbX8, FAR_ROUNDING, WIDTH, max},
     traverse::{ABOVE_DIAGONAL, DIAGONAL},
     tree::{Bvh, NodePair},
 };
-use crate::{frame::Frame, mesh::VertexId, simd::InstructionSet};
+use crate::{
+    frame::Frame,
+    mesh::VertexId,
+    simd::{InstructionSet, Portable},
+};
 
 impl Bvh {
+    /// A margin in metres after the map into single precision, and more than the roundings of both boxes. Magnitudes
+    /// beyond one half, of far vertices, have [`FAR_ROUNDING`] beside it.
+    pub(crate) fn margin_f32(&self, margin_m: f64) -> f32 {
+        #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
+        let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+        // Beyond all boxes, and finite, since an empty box ends at infinity.
+        margin.min(0.25 * f32::MAX)
+    }
+
+    /// What rounds a coordinate of a magnitude, beyond the [margin](Self::margin_f32).
+    #[inline(always)]
+    pub(crate) fn rounding_of_far(&self, magnitude: f32) -> f32 {
+        if self.has_far { FAR_ROUNDING * magnitude } else { 0.0 }
+    }
+
+    /// The leaves, each against itself.
+    pub(crate) fn leaves_with_themselves(&self) -> impl IndexedParallelIterator<Item = NodePair> {
+        let num_leaves = u32::try_from(self.levels[0].len()).expect("fewer leaves than faces");
+        (0..num_leaves).into_par_iter().map(|leaf| NodePair { level: 0, nodes: [leaf, leaf] })
+    }
+
+    /// Goes down from the pairs of nodes on the stack, and calls `found` once for each pair of nodes of a level, the
+    /// first not after the second, whose boxes come within a [margin](Self::margin_f32) of each other. Pairs whose
+    /// faces share a vertex are among them.
+    #[inline(always)]
+    pub(crate) fn near_nodes(
+        &self,
+        simd: impl InstructionSet,
+        margin: f32,
+        end_level: usize,
+        stack: &mut Vec<NodePair>,
+        mut found: impl FnMut(NodePair),
+    ) {
+        while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
+            if level <= end_level {
+                found(pair);
+                continue;
+            }
+            let mut pairs = self.near_slots(simd, margin, pair);
+            if a == b {
+                pairs &= ABOVE_DIAGONAL | DIAGONAL;
+            }
+            while pairs != 0 {
+                let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
+                pairs &= pairs - 1;
+                stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
+            }
+        }
+    }
+
+    /// Starts a traversal from the root: puts pairs of subtrees on the list that can be traversed independently, the
+    /// nodes of the topmost level with at least `min_nodes`.
+    pub(crate) fn near_subtrees(&self, margin: f32, min_nodes: usize, pairs: &mut Vec<NodePair>) {
+        pairs.clear();
+        let end_level = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= min_nodes).unwrap_or(0);
+        let mut stack: Vec<NodePair> = self.root_pair().into_iter().collect();
+        self.near_nodes(Portable, margin, end_level, &mut stack, |pair| pairs.push(pair));
+    }
+
+    /// Bit `8 i + k` for each pair of child `i` of the first node and child `k` of the second whose boxes come within
+    /// a margin of each other.
+    #[inline(always)]
+    pub(crate) fn near_slots(&self, simd: impl InstructionSet, margin: f32, pair: NodePair) -> u64 {
+        let NodePair { level, nodes: [a, b] } = pair;
+        let boxes = &self.levels[level];
+        let first = &boxes[a as usize];
+        let inflated = if self.has_far { first.inflated_far(margin) } else { first.inflated(margin) };
+        inflated.overlap_mask_x8(simd, &boxes[b as usize])
+    }
+
     /// Calls `found` once for each pair of leaves, the first not after the second, that may be within `margin_m` metres
     /// of each other, except for those all of whose faces share one vertex. Ends early, and returns false, after
     /// `max_visits` pairs of nodes.
@@ -23,8 +99,7 @@ impl Bvh {
         let Some(root_pair) = self.root_pair() else { return true };
         // Coordinates in single precision are at most one half and rounded by 2^-25 of it at most, and so are the sums
         // below.
-        #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
-        let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+        let margin = self.margin_f32(margin_m);
         stack.clear();
         stack.push(root_pair);
         let mut num_visits = 0;

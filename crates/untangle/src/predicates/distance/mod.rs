@@ -1,0 +1,74 @@
+//! Whether two primitives are nearer to each other than a distance, exactly: a vertex and a face, an edge and an edge.
+//!
+//! All are closed convex sets: faces without an area and edges without a length are ordinary. Their distance is that of
+//! the origin from the convex hull of all differences of a corner of the one and a corner of the other (Minkowski
+//! difference; Gilbert, Johnson and Keerthi 1988). So one filter serves both kinds: [`certificate`] proves an answer in
+//! floating point from the weights of the closest points, whatever rounding did to these. What it leaves open, ties
+//! among it, is decided in whole numbers ([`exact`]). There is no perturbation: two primitives at exactly the distance
+//! are not nearer.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `closest` | closest points in floating point, without any promise |
+//! | `certificate` | proofs of "nearer" and "not nearer" from them |
+//! | `exact` | the answer in whole numbers |
+
+mod certificate;
+mod closest;
+mod exact;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use closest::{edge_edge_weights, vertex_face_weights};
+
+use certificate::decide;
+
+/// A position in metres.
+pub(crate) type Point = [f64; 3];
+
+/// Whether the distance of a point and a triangle is less than `distance_m`, which is taken as it is, to the bit. Two
+/// in one place are at distance zero.
+///
+/// Cost: some hundred floating-point operations nearly always; tens of microseconds near ties.
+#[must_use]
+pub fn is_vertex_nearer(vertex: Point, face: [Point; 3], distance_m: f64) -> bool {
+    let (differences, weights) = (face.map(|corner| difference(vertex, corner)), vertex_face_weights(vertex, face));
+    decide(&differences, weights, distance_m).unwrap_or_else(|| exact::is_vertex_nearer(vertex, face, distance_m))
+}
+
+/// Whether the distance of two segments is less than `distance_m`; see [`is_vertex_nearer`].
+#[must_use]
+pub fn are_edges_nearer(first: [Point; 2], second: [Point; 2], distance_m: f64) -> bool {
+    let (differences, weights) = (edge_differences(first, second), edge_weights(first, second));
+    decide(&differences, weights, distance_m).unwrap_or_else(|| exact::are_edges_nearer(first, second, distance_m))
+}
+
+/// The distance of a point and a triangle, in metres, rounded.
+pub(crate) fn vertex_face_distance(vertex: Point, face: [Point; 3]) -> f64 {
+    let weights = vertex_face_weights(vertex, face);
+    certificate::distance(&face.map(|corner| difference(vertex, corner)), weights)
+}
+
+/// The distance of two segments, in metres, rounded.
+pub(crate) fn edge_edge_distance(first: [Point; 2], second: [Point; 2]) -> f64 {
+    certificate::distance(&edge_differences(first, second), edge_weights(first, second))
+}
+
+fn edge_differences([a, b]: [Point; 2], [c, d]: [Point; 2]) -> [Point; 4] {
+    [difference(a, c), difference(a, d), difference(b, c), difference(b, d)]
+}
+
+fn edge_weights(first: [Point; 2], second: [Point; 2]) -> [f64; 4] {
+    let [[a, b], [c, d]] = edge_edge_weights(first, second);
+    [a * c, a * d, b * c, b * d]
+}
+
+#[inline]
+fn difference(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

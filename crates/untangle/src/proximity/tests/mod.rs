@@ -1,0 +1,3 @@
+//! Counts and distances against all pairs, one by one.
+
+mod brute_force;

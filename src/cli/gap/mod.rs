@@ -1,0 +1,16 @@
+//! `--gap` and `--gap-for`: the distance that primitives keep from each other, for solvers that refuse states that are
+//! too close.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `presets` | the rules of other tools, which `--gap-for` takes |
+//! | `args` | the arguments |
+//! | `report` | what there is below the distance, as JSON and as a line for people |
+
+mod args;
+mod presets;
+mod report;
+
+pub use args::{Asked, GapArgs};
+pub use presets::{Preset, Tool};
+pub use report::{GapError, GapReport, NearestPair, Side};
