@@ -11,7 +11,7 @@
 //! | `escape` | the nearest plan: sheets leave each other by the shortest motions |
 //! | `resolve` | iterations of trial displacements |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
-//! | `recovery` | shape recovery once nothing intersects |
+//! | `settle` | shape recovery once nothing intersects |
 //! | `solver` | all plans, one after the other |
 //! | `coupled` | the coupled response of one frame |
 //!
@@ -24,10 +24,10 @@ mod escape;
 mod flattening;
 mod outcome;
 mod plan;
-mod recovery;
 mod relaxer;
 mod resolve;
 mod settings;
+mod settle;
 mod solver;
 mod step;
 

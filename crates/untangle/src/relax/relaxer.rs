@@ -151,6 +151,7 @@ impl<'a> Relaxer<'a> {
             rest: &self.rest,
             domain: &self.domain,
             rest_weight,
+            membrane: 0.0,
             anchor: 0.0,
         };
         let context = TrialContext {

@@ -4,15 +4,15 @@ use nalgebra::Point3;
 
 use super::{
     constraints::Objective,
-    escape::{descend, settle},
+    escape::descend,
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
     plan::{Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans},
-    recovery::recover_shape,
     relaxer::{Progress, Relaxer},
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
-    step::are_faces_pinned,
+    settle::settle,
+    step::{are_faces_pinned, measure},
 };
 use crate::{
     analysis::Analysis,
@@ -38,7 +38,6 @@ pub(super) fn run(
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
     let largest = analyse_input(&mut relaxer);
     let mut end = escape(&mut relaxer, largest, &mut best, progress)?;
-    let is_near = end == End::Clean;
     let plans = if end == End::Stuck { plans(largest) } else { Vec::new() };
     for plan in plans {
         if let Plan::Resolve { inside, .. } = plan {
@@ -59,12 +58,11 @@ pub(super) fn run(
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
-    if is_near && !relaxer.history.is_empty() && !interrupted {
+    if !relaxer.history.is_empty() && !interrupted {
+        let Relaxer { mesh, frame, analyser, first_islands, now, .. } = &mut relaxer;
+        measure(mesh, frame, &analyser.last().intersections, first_islands, now);
         interrupted = settle(&mut relaxer, progress)?;
         relaxer.analyse();
-    }
-    if !relaxer.history.is_empty() && !interrupted {
-        interrupted = recover_shape(&mut relaxer, progress)?;
     }
     let blocked = blocked_paths(mesh, &relaxer.final_paths(), end, largest.is_crowded());
     let restored = |(point, (before, given)): (&Point3<f64>, (&Point3<f64>, &[f64; 3]))| {

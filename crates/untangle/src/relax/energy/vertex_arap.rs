@@ -65,6 +65,9 @@ pub(crate) struct ArapEnergy<'a> {
     pub(crate) domain: &'a Domain,
     /// The part of the rest shape in the edges that are kept: 0 keeps the present shape, 1 restores the rest shape.
     pub(crate) rest_weight: f64,
+    /// The part of the weight of an edge that keeps its length at rest only; the other part keeps its direction as well,
+    /// and so resists bending and shear.
+    pub(crate) membrane: f64,
     /// The part of the way back to the input that the displacement is measured from: 0 for the present positions, 1 for
     /// those of the input.
     pub(crate) anchor: f64,
@@ -88,7 +91,7 @@ impl ArapEnergy<'_> {
         rotations: &mut Vec<[Matrix3<f64>; 2]>,
         out: &mut [Vector3<f64>],
     ) {
-        let Self { mesh, frame, rest, domain, rest_weight, anchor } = *self;
+        let Self { mesh, frame, rest, domain, rest_weight, membrane, anchor } = *self;
         rotations.clear();
         rotations.extend(domain.vertices().iter().map(|&vertex| self.rotations(displacement, vertex)));
         for (local, &vertex) in domain.vertices().iter().enumerate() {
@@ -99,11 +102,54 @@ impl ArapEnergy<'_> {
                 let now = frame.position(other) - frame.position(vertex);
                 let wanted = (rotations[local][0] + there[0]) * now * (0.5 * (1.0 - rest_weight))
                     + (rotations[local][1] + there[1]) * rest.edge_vector(vertex, other) * (0.5 * rest_weight);
+                let wanted = if membrane > 0.0 {
+                    let then = now + self.displacement_of(displacement, other) - self.displacement_of(displacement, vertex);
+                    let length = rest.edge_vector(vertex, other).norm();
+                    wanted * (1.0 - membrane) + with_length(then, length) * membrane
+                } else {
+                    wanted
+                };
                 // The force on `vertex` towards the place where the edge to `other` has the wanted shape.
                 force += (now - wanted) * (stiffness * rest.weight(edge) * stiffening[edge.index()]);
             }
             out[local] = force;
         }
+    }
+
+    /// The energy of the domain in other positions, one for each vertex of the mesh, with the rotations that fit these
+    /// best: of the rest shape, without what the step itself costs.
+    pub(crate) fn value(&self, stiffness: f64, positions: &[Point3<f64>]) -> f64 {
+        let Self { mesh, rest, domain, membrane, anchor, .. } = *self;
+        let mut rotations: Vec<Matrix3<f64>> = Vec::with_capacity(domain.vertices().len());
+        rotations.extend(domain.vertices().iter().map(|&vertex| self.rotation_from_rest(positions, vertex)));
+        let mut sum = 0.0;
+        for (local, &vertex) in domain.vertices().iter().enumerate() {
+            sum += anchor * (positions[vertex.index()] - rest.position(vertex)).norm_squared();
+            for &edge in mesh.vertex_edges(vertex) {
+                let other = mesh.opposite_vertex(edge, vertex);
+                // Each edge within the domain once.
+                let part = if domain.local(other).is_some() { 0.5 } else { 1.0 };
+                let there = rotations[domain.local(other).unwrap_or(local)];
+                let input = rest.edge_vector(vertex, other);
+                let now = positions[other.index()] - positions[vertex.index()];
+                let shape = (now - (rotations[local] + there) * input * 0.5).norm_squared();
+                let length = now.norm() - input.norm();
+                let both = (1.0 - membrane) * shape + membrane * length * length;
+                sum += part * stiffness * rest.weight(edge) * both;
+            }
+        }
+        0.5 * sum
+    }
+
+    /// The rotation that takes the rest edges round a vertex to those of other positions.
+    fn rotation_from_rest(&self, positions: &[Point3<f64>], vertex: VertexId) -> Matrix3<f64> {
+        let mut sum = Matrix3::zeros();
+        for &edge in self.mesh.vertex_edges(vertex) {
+            let other = self.mesh.opposite_vertex(edge, vertex);
+            let now = positions[other.index()] - positions[vertex.index()];
+            sum += now * self.rest.edge_vector(vertex, other).transpose() * self.rest.weight(edge);
+        }
+        nearest_rotation(&sum)
     }
 
     /// The rotations that take the present edges and the rest edges round a vertex to the displaced ones.
@@ -124,4 +170,10 @@ impl ArapEnergy<'_> {
     fn displacement_of(&self, displacement: &[Vector3<f64>], vertex: VertexId) -> Vector3<f64> {
         self.domain.local(vertex).map_or_else(Vector3::zeros, |local| displacement[local])
     }
+}
+
+/// A vector with another length; one without a length stays as it is.
+fn with_length(vector: Vector3<f64>, length: f64) -> Vector3<f64> {
+    let own = vector.norm();
+    if own > 0.0 { vector * (length / own) } else { vector }
 }

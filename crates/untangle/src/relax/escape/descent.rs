@@ -149,7 +149,7 @@ impl Descent {
         island_strains(mesh, domain, islands, limits, frame.positions(), &mut strains);
         let scores = tangles.iter().zip(&strains);
         self.now = scores.map(|(&tangle, &strain)| Score { tangle, strain, ..Score::default() }).collect();
-        let energy = ArapEnergy { mesh, frame, rest, domain, rest_weight: 0.0, anchor: 0.0 };
+        let energy = ArapEnergy { mesh, frame, rest, domain, rest_weight: 0.0, membrane: 0.0, anchor: 0.0 };
         add_moved(energy, islands, frame.positions(), self.edge_length_m, &mut self.now);
         for (motion, island) in &self.motions {
             self.now[*island].depth += motion.weight() * motion.depth_m / motion.edge_length_m;
@@ -165,7 +165,7 @@ impl Descent {
         self.candidates.resize_with(recipes.len(), Candidate::default);
         let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
         let context = Context {
-            energy: ArapEnergy { mesh, frame, rest, domain, rest_weight, anchor: 0.0 },
+            energy: ArapEnergy { mesh, frame, rest, domain, rest_weight, membrane: 0.0, anchor: 0.0 },
             islands,
             limits,
             motions: &self.motions,

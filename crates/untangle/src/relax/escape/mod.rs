@@ -9,7 +9,6 @@
 //! | `score` | how good a state is |
 //! | `candidate` | one displacement field, made within the limits and judged |
 //! | `descent` | the iterations |
-//! | `settle` | recovery of shape once nothing intersects |
 
 mod candidate;
 mod descent;
@@ -17,9 +16,7 @@ mod limits;
 mod motion;
 mod rows;
 mod score;
-mod settle;
 #[cfg(test)]
 mod tests;
 
 pub(super) use descent::descend;
-pub(super) use settle::settle;

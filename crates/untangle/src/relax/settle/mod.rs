@@ -1,0 +1,153 @@
+//! Shape recovery: what came clean goes back towards the input, as far as nothing intersects.
+//!
+//! Each step minimises the elastic energy against the shape of the input, with a weak pull of each vertex towards its
+//! place there, while primitives that are near each other keep a gap. Lengths of edges weigh far more than bending and
+//! shear, as they do in cloth. The step is short enough for the contacts that were found, it intersects nothing new,
+//! and it is taken only if the energy falls.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `contacts` | primitives that are near each other, and how near they may come |
+//!
+//! A row uses those above it only.
+
+mod contacts;
+
+use nalgebra::Point3;
+
+use super::{
+    energy::ArapEnergy,
+    outcome::{Method, RelaxError},
+    relaxer::{Progress, Relaxer},
+    step::{CollisionFreeStep, DisplacementSolver, SolverBudget, Start},
+};
+use crate::{geometry::mean_edge_length, mesh::VertexId};
+use contacts::Contacts;
+
+fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+
+/// The most steps, and the most failures to make one.
+const MAX_STEPS: usize = 40;
+/// Ends where two steps take away less than this part of the energy.
+const MIN_GAIN: f64 = 0.02;
+/// Weight of the elastic energy beside the step: its root is the length, in edges, over which a displacement decays.
+const STIFFNESS: f64 = 1280.0;
+/// The part of it that keeps lengths of edges only.
+const MEMBRANE: f64 = 0.95;
+/// Strain that the pull towards the input may cost: the largest displacement is spread over a length of which it is
+/// this part.
+const STRAIN: f64 = 0.03;
+/// Edges that change their length by more than this factor get stiffer.
+const MAX_STRETCH: f64 = 1.04;
+/// Primitives up to so many mean edge lengths from each other are contacts.
+const REACH: f64 = 1.0;
+/// Longest displacement of a step as a part of that: two primitives come no nearer than half of their distance.
+const TRUST: f64 = 0.5;
+/// A step that raises the energy is made again with half the length, down to this part of it.
+const LEAST_TRUST: f64 = 0.1;
+/// Gap that contacts keep, in mean edge lengths.
+const GAP: f64 = 0.1;
+/// With more contacts for each vertex nothing is settled: surfaces that nearly coincide.
+const MAX_CONTACTS: usize = 100;
+const BUDGET: SolverBudget = SolverBudget { newton_steps: 12, cg_steps: 100, penalty: 1e4 };
+
+/// Recovers the shape of the input round all vertices that moved, but those of islands that are still tangled. True if
+/// `progress` ended it.
+pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
+    let Relaxer { mesh, frame, rest, domain, first_islands, now, .. } = &mut *relaxer;
+    let is_tangled = |vertex| now.get(first_islands.of(vertex)).is_some_and(|tangle| !tangle.is_none());
+    let is_moved = |vertex: &VertexId| rest.position(*vertex) != frame.position(*vertex) && !is_tangled(*vertex);
+    domain.grow(mesh, mesh.vertex_ids().filter(is_moved), 0);
+    let faces = domain.vertices().iter().flat_map(|&vertex| mesh.vertex_faces(vertex)).copied();
+    let Some(edge_length_m) = mean_edge_length(mesh, frame, faces) else { return Ok(false) };
+    let mut settling = Settling::new(relaxer, edge_length_m);
+    let (mut energy, mut trust, mut num_slow) = (f64::INFINITY, TRUST, 0);
+    for _ in 0..env("STEPS", MAX_STEPS as f64) as usize {
+        let moved = settling.step(relaxer, trust, &mut energy);
+        eprintln!("trust {trust} energy {energy} {:?}", moved.as_ref().map(|m| m.1));
+        if (relaxer.should_stop)() {
+            return Ok(true);
+        }
+        let Some((positions, next)) = moved else {
+            trust *= 0.5;
+            if trust < LEAST_TRUST * TRUST {
+                break;
+            }
+            continue;
+        };
+        let Relaxer { mesh, frame, now, .. } = &mut *relaxer;
+        frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
+        let left = (now.iter().map(|tangle| tangle.num_edge_face).sum(), now.iter().map(|tangle| tangle.length_m).sum());
+        if relaxer.note(Method::RecoverShape, left.0, left.1, progress).is_break() {
+            return Ok(true);
+        }
+        num_slow = if next > (1.0 - MIN_GAIN) * energy { num_slow + 1 } else { 0 };
+        energy = next;
+        if num_slow > 1 {
+            break;
+        }
+        trust = (2.0 * trust).min(TRUST);
+    }
+    Ok(false)
+}
+
+/// What stays the same from step to step, with its memory.
+#[derive(Default)]
+struct Settling {
+    edge_length_m: f64,
+    anchor: f64,
+    contacts: Contacts,
+    solver: DisplacementSolver,
+}
+
+impl Settling {
+    fn new(relaxer: &Relaxer<'_>, edge_length_m: f64) -> Self {
+        let Relaxer { frame, rest, domain, .. } = relaxer;
+        let moved_m = |&vertex: &VertexId| (frame.position(vertex) - rest.position(vertex)).norm();
+        let largest_m = domain.vertices().iter().map(moved_m).fold(0.0, f64::max);
+        let length_edges = largest_m / (env("STRAIN", STRAIN) * edge_length_m);
+        let anchor = (STIFFNESS / (length_edges * length_edges)).min(1.0);
+        Self { edge_length_m, anchor, ..Self::default() }
+    }
+
+    /// One step that lowers the energy, and the energy after it. Sets `before` to the energy before it, if that is not
+    /// yet known.
+    fn step(&mut self, relaxer: &Relaxer<'_>, trust: f64, before: &mut f64) -> Option<(Vec<Point3<f64>>, f64)> {
+        let Relaxer { mesh, frame, rest, domain, settings, .. } = relaxer;
+        let energy = ArapEnergy {
+            mesh,
+            frame,
+            rest,
+            domain,
+            rest_weight: 1.0,
+            membrane: env("MU", MEMBRANE),
+            anchor: self.anchor,
+        };
+        let reach_m = REACH * self.edge_length_m;
+        let max_contacts = MAX_CONTACTS * mesh.num_vertices();
+        if !self.contacts.find(mesh, frame, domain, [reach_m, env("GAP", GAP) * self.edge_length_m], max_contacts) {
+            return None;
+        }
+        self.solver.budget = BUDGET;
+        let max_stretch = env("MAXS", MAX_STRETCH);
+        if !self.solver.solve(&energy, STIFFNESS, max_stretch, &self.contacts.rows, Start::Cold, relaxer.should_stop) {
+            return None;
+        }
+        let largest_m = self.solver.displacement.iter().map(|displacement| displacement.norm()).fold(0.0, f64::max);
+        let part = (trust * reach_m / largest_m).min(1.0);
+        let mut target = frame.positions().to_vec();
+        for (&vertex, displacement) in domain.vertices().iter().zip(&self.solver.displacement) {
+            target[vertex.index()] += displacement * part;
+        }
+        let mut positions = frame.positions().to_vec();
+        let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop);
+        if !step.advance(&mut positions, &target, settings.single_precision) {
+            return None;
+        }
+        if before.is_infinite() {
+            *before = energy.value(STIFFNESS, frame.positions());
+        }
+        let after = energy.value(STIFFNESS, &positions);
+        (after < *before).then_some((positions, after))
+    }
+}
