@@ -55,6 +55,8 @@ pub mod labels;
 
 pub mod respond;
 
+pub mod sides;
+
 pub mod relax;
 
 pub mod untangler;
