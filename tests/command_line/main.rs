@@ -10,5 +10,6 @@ mod fix_inputs;
 mod manual;
 mod mesh_folder;
 mod publish;
+mod roles;
 mod strangers;
 mod weld;

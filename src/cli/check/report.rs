@@ -20,6 +20,7 @@ use super::meetings::{Meeting, MeetingTable};
 use crate::cli::{
     certificate::Certificate,
     input::Input,
+    roles::{BodyCounts, BodyReport, say_bodies},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -63,6 +64,12 @@ pub struct Report {
     pub certificate: Certificate,
     /// Who intersects whom, where files, objects or groups have names; most pairs first.
     pub meetings: Vec<Meeting>,
+    /// The bodies, if any were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Vec<BodyReport>>,
+    /// What cloth and bodies have with each other; nothing without bodies.
+    #[serde(flatten)]
+    pub body_counts: Option<BodyCounts>,
     /// Time of each stage.
     pub time_us: StageTimes,
     /// Whether people are told the times.
@@ -177,7 +184,8 @@ impl CopyReport {
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
-        input @ Input { weld, mesh, .. }: &Input,
+        shape @ Input { mesh, .. }: &Input,
+        weld: &Weld,
         analysis: &Analysis,
         certificate: Certificate,
         time_us: StageTimes,
@@ -188,9 +196,9 @@ impl Report {
         Self {
             schema: "untangled.check/1",
             files: files.iter().map(|path| path.display().to_string()).collect(),
-            num_vertices: weld.num_vertices(),
-            num_welded_vertices: weld.num_merged(),
-            num_zeroed_coordinates: input.num_zeroed_coordinates(),
+            num_vertices: shape.weld.num_vertices(),
+            num_welded_vertices: shape.weld.num_merged(),
+            num_zeroed_coordinates: shape.num_zeroed_coordinates(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
             num_pieces: mesh.num_pieces(),
@@ -204,9 +212,16 @@ impl Report {
             face_pairs: list_face_pairs.then(face_pairs),
             certificate,
             meetings: Vec::new(),
+            bodies: None,
+            body_counts: None,
             verbose: false,
             time_us,
         }
+    }
+
+    /// Whether nothing intersects, and no vertex of the cloth is inside of a body.
+    pub(super) fn is_clean(&self) -> bool {
+        self.num_face_pairs == 0 && self.body_counts.is_none_or(|counts| counts.num_vertices_inside_body == 0)
     }
 
     /// The document on one line.
@@ -244,7 +259,12 @@ impl Display for Report {
             self.path_table(f)?;
             write!(f, "{}", MeetingTable(&self.meetings))?;
         }
-        if self.num_face_pairs == 0 && !self.certificate.is_clean() {
+        if let Some(BodyCounts { num_body_face_pairs, num_vertices_inside_body }) = self.body_counts {
+            say_bodies(f, self.bodies.as_deref())?;
+            let pairs = Counted(num_body_face_pairs, "intersecting face pair");
+            writeln!(f, "  {pairs} with bodies, {} inside of a body", Counted(num_vertices_inside_body, "vertex"))?;
+        }
+        if self.is_clean() && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
         }
         if let Some(face_pairs) = &self.face_pairs {

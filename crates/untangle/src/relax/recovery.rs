@@ -26,8 +26,8 @@ const STIFFNESSES: [f64; 2] = [16.0, 256.0];
 /// that are still tangled stay as they are. True if `progress` ended it.
 pub(super) fn recover_shape(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
     relaxer.islands.clone_from(&relaxer.first_islands);
-    let Relaxer { mesh, frame, analyser, islands, now, .. } = relaxer;
-    measure(mesh, frame, &analyser.last().intersections, islands, now);
+    let Relaxer { mesh, frame, analyser, sides, islands, now, .. } = relaxer;
+    measure(mesh, frame, &analyser.last().intersections, sides.as_ref(), islands, now);
     relaxer.passing.reset(relaxer.mesh.num_vertices());
     for _ in 0..MAX_STEPS {
         if !step(relaxer)? {
@@ -57,10 +57,12 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
     });
     relaxer.resize_trials(settings.len());
     let gap_m = GAP * relaxer.edge_length_m;
+    let near = relaxer.rows_near_bodies();
     for trial in &mut relaxer.trials[..settings.len()] {
         trial.constraints.clear();
         trial.constraints.hold(&relaxer.separated, &relaxer.frame);
         trial.constraints.limit_to_gap(&relaxer.frame, gap_m);
+        near.add(GAP, &mut trial.constraints);
     }
     relaxer.run_trials(&settings, 1.0);
     if (relaxer.should_stop)() {
@@ -72,9 +74,10 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
         return Ok(false);
     }
     let before = relaxer.frame.positions().to_vec();
-    let tangled = total(&relaxer.now).num_edge_face;
+    let now = total(&relaxer.now);
     relaxer.set_frame(&positions)?;
-    if num_movable(relaxer.mesh, &relaxer.analyser.last().intersections) <= tangled {
+    let num_left = num_movable(relaxer.mesh, &relaxer.analyser.last().intersections);
+    if num_left <= now.num_edge_face && relaxer.wrong_vertices().len() <= now.num_wrong {
         return Ok(true);
     }
     // Islands that moved differently met at their borders.
@@ -84,10 +87,10 @@ fn step(relaxer: &mut Relaxer<'_>) -> Result<bool, RelaxError> {
 
 /// Goes towards `target` as far as nothing intersects on the way. False if nothing moves, or edges get overstretched.
 fn step_back(relaxer: &mut Relaxer<'_>, target: &[Point3<f64>]) -> Result<bool, RelaxError> {
-    let Relaxer { mesh, settings, frame, domain, limits, should_stop, .. } = &*relaxer;
+    let Relaxer { mesh, settings, frame, domain, limits, sides, should_stop, .. } = &*relaxer;
     let mut positions = frame.positions().to_vec();
-    let moves =
-        CollisionFreeStep::new(mesh, domain, *should_stop).advance(&mut positions, target, settings.single_precision);
+    let mut step = CollisionFreeStep::new(mesh, domain, *should_stop);
+    let moves = step.advance(&mut positions, target, settings.single_precision, sides.as_ref());
     let is_torn = |&vertex: &VertexId| limits.is_violated(mesh, frame.positions(), &positions, vertex);
     if !moves || domain.vertices().iter().any(is_torn) {
         return Ok(false);

@@ -10,6 +10,7 @@ use super::{
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
     settings::{RelaxSettings, ShouldStop},
+    sides::{SideRows, SideTracker},
     step::{
         Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, measure, num_movable, remove_pinned_chains,
     },
@@ -65,6 +66,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) separated: Constraints,
     /// The islands of the input, which say what moves together during shape recovery.
     pub(super) first_islands: Islands,
+    /// The bodies, if there are any.
+    pub(super) sides: Option<SideTracker>,
     /// Whether there are chains among pinned vertices.
     pub(super) has_pinned_chains: bool,
     pub(super) edge_length_m: f64,
@@ -85,6 +88,7 @@ impl<'a> Relaxer<'a> {
             should_stop,
             analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
             rest: RestShape::of(mesh, &frame),
+            sides: SideTracker::of(mesh, &frame),
             limits: StrainLimits::of(mesh, &frame),
             orientation: Orientation::of(mesh),
             frame,
@@ -113,6 +117,20 @@ impl<'a> Relaxer<'a> {
         Ok(())
     }
 
+    /// The free vertices that are inside of a body.
+    pub(super) fn wrong_vertices(&self) -> Vec<VertexId> {
+        self.sides.as_ref().map(|sides| sides.wrong_vertices(self.frame.positions())).unwrap_or_default()
+    }
+
+    /// Constraints that keep vertices of the present domain that are near a body outside of it.
+    pub(super) fn rows_near_bodies(&self) -> SideRows {
+        let mut rows = SideRows::default();
+        if let Some(sides) = &self.sides {
+            rows.find_near(sides, &self.frame, &self.domain);
+        }
+        rows
+    }
+
     /// Analyses the present state, without the chains among pinned vertices.
     pub(super) fn analyse(&mut self) {
         let Self { mesh, frame, analysis_settings, has_pinned_chains, .. } = self;
@@ -134,8 +152,9 @@ impl<'a> Relaxer<'a> {
     /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.
     pub(super) fn measure_islands(&mut self, reach: usize) {
         let analysis = self.analyser.last();
-        self.islands.find(self.mesh, analysis, reach);
-        measure(self.mesh, &self.frame, &analysis.intersections, &self.islands, &mut self.now);
+        self.islands.find(self.mesh, analysis, &self.wrong_vertices(), reach);
+        let found = &analysis.intersections;
+        measure(self.mesh, &self.frame, found, self.sides.as_ref(), &self.islands, &mut self.now);
     }
 
     /// Makes room for trials.
@@ -156,6 +175,7 @@ impl<'a> Relaxer<'a> {
         let context = TrialContext {
             energy,
             present: &self.analyser.last().intersections,
+            sides: self.sides.as_ref(),
             islands: &self.islands,
             limits: &self.limits,
             passing: &self.passing,
@@ -167,9 +187,9 @@ impl<'a> Relaxer<'a> {
         self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
     }
 
-    /// Whether nothing intersects that a motion can change.
+    /// Whether nothing intersects that a motion can change, and no free vertex is inside of a body.
     pub(super) fn is_clean(&self) -> bool {
-        num_movable(self.mesh, &self.analyser.last().intersections) == 0
+        num_movable(self.mesh, &self.analyser.last().intersections) == 0 && self.wrong_vertices().is_empty()
     }
 
     /// Chooses a trial for each group of islands, and joins groups that would tear the cloth between them. Gives back

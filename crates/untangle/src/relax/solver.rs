@@ -91,8 +91,12 @@ fn flatten_if_it_pays(
 }
 
 /// Whether most of what intersects meets pinned faces: a body that stays. The shortest motion out of it may lead
-/// through it, while the regions of the paths show on which side the cloth belongs.
+/// through it, while the regions of the paths show on which side the cloth belongs. A mesh with bodies knows
+/// that of them.
 fn is_against_pins(relaxer: &Relaxer<'_>) -> bool {
+    if relaxer.sides.is_some() {
+        return false;
+    }
     let segments = &relaxer.analyser.last().intersections.segments;
     let meets_pins = |segment: &&Segment| segment.faces.iter().any(|&face| are_faces_pinned(relaxer.mesh, [face]));
     2 * segments.iter().filter(meets_pins).count() > segments.len()
@@ -106,7 +110,7 @@ fn escape(
     best: &mut BestState,
     progress: &mut Progress<'_>,
 ) -> Result<End, RelaxError> {
-    if largest.is_crowded() {
+    if largest.is_crowded() && relaxer.sides.is_none() {
         return Ok(End::Stuck);
     }
     if is_against_pins(relaxer) {
@@ -147,7 +151,8 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
         relaxer.analysis_settings.inside = wanted;
         relaxer.analyse();
     }
-    relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), usize::MAX / 2);
+    let wrong = relaxer.wrong_vertices();
+    relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), &wrong, usize::MAX / 2);
     largest
 }
 
@@ -158,7 +163,8 @@ fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
     let island = (0..now.len()).rev().max_by_key(|&island| now[island].num_edge_face).unwrap_or(0);
     let is_here = |pair: &&PathPair| {
         let first = &paths.segments[paths.copies[pair.copies.start].segments.start];
-        islands.of(mesh.face(first.own)[0]) == island
+        let face = if mesh.is_body_face(first.own) { first.partner } else { first.own };
+        islands.of(mesh.face(face)[0]) == island
     };
     let closed = mesh.closed_pieces();
     let is_flattenable = |segment: &&Segment| {

@@ -9,8 +9,8 @@
 //! A closed piece whose faces point inwards, by the sign of its volume, is turned round. A piece with a boundary says
 //! by its faces what is inside.
 //!
-//! The way out is that to the closest point of the surface, by parry's tree of triangles. Where bodies overlap, faces of
-//! one may lie inside of another: only points just beyond which it is outside count.
+//! The way out is that to the closest point of the surface, by parry's tree of triangles. Where bodies overlap, faces
+//! of one may lie inside of another: only points just beyond which it is outside count.
 //!
 //! | file | purpose |
 //! |---|---|
@@ -32,6 +32,7 @@ use nalgebra::Vector3;
 
 use crate::mesh::{FaceId, VertexId};
 
+pub(crate) use body::cloth_vertices;
 pub use body::{Sides, Way};
 
 /// A vertex of a cloth inside of a body.

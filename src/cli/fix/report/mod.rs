@@ -17,7 +17,9 @@ use untangle::{
 
 use crate::cli::{
     certificate::Certificate,
+    input::Input,
     owners::{OwnedVertex, Owners},
+    roles::{BodyCounts, BodyReport, say_bodies},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -35,6 +37,9 @@ pub struct Report {
     /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
     /// judge for all readers.
     pub clean: bool,
+    /// The bodies, if any were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Vec<BodyReport>>,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
     /// Coordinates below 2^-250 m, which count as zero.
@@ -66,23 +71,32 @@ pub struct Counts {
     pub num_face_pairs: usize,
     /// Number of path pairs by type.
     pub path_pairs: BTreeMap<PairType, usize>,
+    /// What cloth and bodies have with each other; nothing without bodies.
+    #[serde(flatten)]
+    pub bodies: Option<BodyCounts>,
     /// What readers of the files find, by the judge.
     pub certificate: Certificate,
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis, certificate: Certificate) -> Self {
+    pub(super) fn new(analysis: &Analysis, input: &Input, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
+            bodies: BodyCounts::of(input, &analysis.intersections),
             certificate,
         }
     }
 
-    /// Whether there is no intersection in the files as they are.
+    /// Whether there is no intersection in the files as they are, and no vertex inside of a body.
     pub(super) fn is_clean(&self) -> bool {
-        self.num_face_pairs == 0
+        self.num_face_pairs == 0 && self.num_inside() == 0
+    }
+
+    /// Vertices of the cloth inside of a body.
+    pub(super) fn num_inside(&self) -> usize {
+        self.bodies.map_or(0, |bodies| bodies.num_vertices_inside_body)
     }
 
     /// Whether no reader of the files finds an intersection.
@@ -162,6 +176,7 @@ impl Display for Report {
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
             self.after.num_edge_face_intersections,
         )?;
+        self.say_sides(f)?;
         self.say_readers(f)?;
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
@@ -173,6 +188,30 @@ impl Display for Report {
         if self.time_limit_reached {
             writeln!(f, "  the time limit was reached: this is the best state until then")?;
         }
+        self.say_distortion(f)?;
+        self.say_left(f)
+    }
+}
+
+impl Report {
+    /// What is left with bodies, where there are any.
+    fn say_sides(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let (Some(before), Some(after)) = (self.before.bodies, self.after.bodies) {
+            say_bodies(f, self.bodies.as_deref())?;
+            writeln!(
+                f,
+                "  with bodies: {} became {}, {} inside became {}",
+                Counted(before.num_body_face_pairs, "intersecting face pair"),
+                after.num_body_face_pairs,
+                Counted(before.num_vertices_inside_body, "vertex"),
+                after.num_vertices_inside_body,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// How far the cloth moved, and how it was stretched.
+    fn say_distortion(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Distortion {
             max_displacement_m,
             mean_displacement_m,
@@ -190,11 +229,9 @@ impl Display for Report {
                 Counted(num_overstretched_edges, "edge"),
             )?;
         }
-        self.say_left(f)
+        Ok(())
     }
-}
 
-impl Report {
     /// What other readers find, where that differs.
     fn say_readers(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if self.before.is_clean() && !self.before.certificate.is_clean() {

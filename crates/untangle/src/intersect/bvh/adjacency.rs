@@ -68,8 +68,8 @@ impl LeafAdjacency {
         row.iter().find(|&&(leaf, _)| leaf == b).map_or(0, |&(_, mask)| mask)
     }
 
-    /// Whether pairs around vertices of more than [`MAX_ADJACENT_FACES`] faces, or pairs of faces of bodies, are missing
-    /// from the masks.
+    /// Whether pairs around vertices of more than [`MAX_ADJACENT_FACES`] faces, or pairs of faces of bodies, are
+    /// missing from the masks.
     pub(crate) fn is_incomplete(&self) -> bool {
         self.is_incomplete
     }

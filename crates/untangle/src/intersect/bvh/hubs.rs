@@ -31,7 +31,8 @@ fn hub_of(mesh: &Mesh, face: FaceId) -> u32 {
     mesh.face(face).into_iter().filter(is_hub).min().map_or(NONE, |hub| hub.0)
 }
 
-/// Puts faces of one hub side by side, then those of bodies, those of none at the end; the ranges of those that belong together.
+/// Puts faces of one hub side by side, then those of bodies, those of none at the end; the ranges of those that
+/// belong together.
 pub(super) fn group_by_hub(mesh: &Mesh, faces: &mut [FaceId]) -> Vec<Range<usize>> {
     if faces.iter().any(|&face| hub_of(mesh, face) != NONE) {
         faces.sort_by_cached_key(|&face| (hub_of(mesh, face), face));

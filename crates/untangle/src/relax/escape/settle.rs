@@ -82,13 +82,14 @@ impl Change {
 
 /// One step that intersects nothing; nothing where there is none.
 fn step(relaxer: &Relaxer<'_>) -> Option<Vec<Point3<f64>>> {
-    let Relaxer { mesh, frame, rest, domain, separated, settings, .. } = relaxer;
+    let Relaxer { mesh, frame, rest, domain, separated, settings, sides, .. } = relaxer;
     let vertices = domain.vertices();
     let faces = vertices.iter().flat_map(|&vertex| mesh.vertex_faces(vertex)).copied();
     let gap_m = GAP * mean_edge_length(mesh, frame, faces)?;
     let mut constraints = Constraints::default();
     constraints.hold(separated, frame);
     constraints.limit_to_gap(frame, gap_m);
+    relaxer.rows_near_bodies().add(GAP, &mut constraints);
     let energy = ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, anchor: 1.0 };
     let mut solver = DisplacementSolver::default();
     solver.budget = SolverBudget { newton_steps: NEWTON_STEPS, ..SolverBudget::default() };
@@ -101,5 +102,5 @@ fn step(relaxer: &Relaxer<'_>) -> Option<Vec<Point3<f64>>> {
     }
     let mut positions = frame.positions().to_vec();
     let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop);
-    step.advance(&mut positions, &target, settings.single_precision).then_some(positions)
+    step.advance(&mut positions, &target, settings.single_precision, sides.as_ref()).then_some(positions)
 }

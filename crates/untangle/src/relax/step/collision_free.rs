@@ -11,7 +11,7 @@ use crate::{
     frame::Frame,
     intersect::{Intersections, Intersector},
     mesh::{Mesh, VertexId},
-    relax::{energy::Domain, settings::ShouldStop},
+    relax::{energy::Domain, settings::ShouldStop, sides::SideTracker},
 };
 
 /// Backtracking of vertices whose faces or edges would intersect something.
@@ -51,15 +51,18 @@ impl<'a> CollisionFreeStep<'a> {
         }
     }
 
-    /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing, and less far
-    /// elsewhere. False if no step without intersections is left, or the work is to stop. Cost: one search for
-    /// intersections for each round of backtracking.
+    /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing and takes no
+    /// vertex into a body, and less far elsewhere. False if no step without intersections is left, or the work is to
+    /// stop. Cost: one search for intersections for each round of backtracking.
     pub(crate) fn advance(
         &mut self,
         positions: &mut [Point3<f64>],
         target: &[Point3<f64>],
         single_precision: bool,
+        sides: Option<&SideTracker>,
     ) -> bool {
+        let inside = |positions: &[Point3<f64>]| sides.map(|sides| sides.wrong_vertices(positions)).unwrap_or_default();
+        let before = inside(positions);
         self.damping.reset(self.domain.vertices().len());
         for round in 0..=BACKTRACKING.num_rounds() {
             if (self.should_stop)() {
@@ -76,7 +79,9 @@ impl<'a> CollisionFreeStep<'a> {
                 return false;
             }
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
+            let entered = inside(&self.step).into_iter().filter(|vertex| before.binary_search(vertex).is_err());
+            let entered: Vec<VertexId> = entered.collect();
+            if entered.is_empty() && self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
                 return true;
@@ -85,7 +90,8 @@ impl<'a> CollisionFreeStep<'a> {
                 let ([a, b], [c, d, e]): ([VertexId; 2], _) = (self.mesh.edge(found.edge), self.mesh.face(found.face));
                 [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
             });
-            self.damping.damp(self.mesh, self.domain, blocked, BACKTRACKING.factor(round));
+            let entered = entered.iter().filter_map(|&vertex| self.domain.local(vertex));
+            self.damping.damp(self.mesh, self.domain, blocked.chain(entered), BACKTRACKING.factor(round));
         }
         self.update_holds();
         false
