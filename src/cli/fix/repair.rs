@@ -163,6 +163,7 @@ impl Repair<'_> {
         } else if blocked.is_empty() {
             blocked = self.unresolved(&written, history.len());
         }
+        blocked.extend(Blocked::inside_bodies(&written.input));
         Ok(Repaired { written, history, blocked, time_limit_reached })
     }
 

@@ -144,3 +144,38 @@ fn report_of_fix_beside_a_body_has_every_field_of_the_contract() {
     let text = String::from_utf8(fix(&["belt.obj", "--body", "ball.obj", "-o", "out2.obj"], path).stdout).unwrap();
     assert!(text.contains("with bodies: ") && text.contains("ball.obj"), "{text}");
 }
+
+#[test]
+fn fix_of_a_cloth_pinned_inside_of_a_body_blocks_it_and_finishes_all_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "ball.obj", &ball(&[[0.0; 3]], 24));
+    let (inner, outer) = (belt(0.8, 0.0, 36), belt(1.01, 0.04, 36));
+    write(path, "inner.obj", &inner);
+    write(path, "outer.obj", &outer);
+    let num_inner = inner.positions.len();
+    let pins = |vertices: &[usize]| vertices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+    fs::write(path.join("inner.pin"), pins(&(0..num_inner).collect::<Vec<_>>())).unwrap();
+    let arguments = ["inner.obj", "outer.obj", "--body", "ball.obj", "-o", "out.obj", "--json", "--pin", "inner.pin"];
+    let output = fix(&arguments, path);
+    let report = json(&output);
+    assert_eq!((code(&output), &report["after"]["num_face_pairs"]), (1, &0.into()));
+    assert_eq!(report["after"]["num_vertices_inside_body"], num_inner);
+    assert_eq!(report["blocked"].as_array().unwrap().len(), 1);
+    assert_eq!(report["blocked"][0]["reason"], "all its vertices are pinned, inside of a body");
+    assert_eq!(report["blocked"][0]["num_vertices_inside_body"], num_inner);
+    assert!(report["num_iterations"].as_u64() < Some(10), "{}", report["num_iterations"]);
+
+    // Two vertices of the deepest part of a belt.
+    let at_left = |(_, place): &(usize, &[f64; 3])| place[0] < -0.96 && place[1] < 0.2 && place[2].abs() < 0.1;
+    let deepest: Vec<usize> = outer.positions.iter().enumerate().filter(at_left).map(|(index, _)| index).collect();
+    assert!((1..4).contains(&deepest.len()), "{deepest:?}");
+    fs::write(path.join("outer.pin"), pins(&deepest)).unwrap();
+    let arguments = ["outer.obj", "--body", "ball.obj", "-o", "two.obj", "--json", "--pin", "outer.pin"];
+    let report = json(&fix(&arguments, path));
+    let inside = report["after"]["num_vertices_inside_body"].as_u64().unwrap();
+    assert!(inside >= deepest.len() as u64 && inside < 12, "{}", report["after"]);
+    let reasons: Vec<_> = report["blocked"].as_array().unwrap().iter().map(|path| &path["reason"]).collect();
+    assert!(reasons.contains(&&"a part of it is pinned inside of a body".into()) || inside == deepest.len() as u64);
+    assert!(report["history"].as_array().unwrap().iter().any(|step| step["method"] == "settle"), "{reasons:?}");
+}

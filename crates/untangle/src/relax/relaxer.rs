@@ -12,7 +12,8 @@ use super::{
     settings::{RelaxSettings, ShouldStop},
     sides::{SideRows, SideTracker},
     step::{
-        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, measure, num_movable, remove_pinned_chains,
+        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, is_movable, measure, num_movable,
+        remove_pinned_chains,
     },
 };
 use crate::{
@@ -190,6 +191,14 @@ impl<'a> Relaxer<'a> {
     /// Whether nothing intersects that a motion can change, and no free vertex is inside of a body.
     pub(super) fn is_clean(&self) -> bool {
         num_movable(self.mesh, &self.analyser.last().intersections) == 0 && self.wrong_vertices().is_empty()
+    }
+
+    /// Whether nothing is left but what hangs on vertices that are pinned inside of a body, which no motion resolves.
+    pub(super) fn hangs_on_pins(&self) -> bool {
+        let Self { mesh, frame, .. } = self;
+        let found = self.analyser.last().intersections.edge_face.iter().filter(|found| is_movable(mesh, found));
+        let vertices = found.map(|found| mesh.edge(found.edge).into_iter().chain(mesh.face(found.face)).collect());
+        self.sides.as_ref().is_some_and(|sides| sides.hangs_on_pins(mesh, frame.positions(), vertices))
     }
 
     /// Chooses a trial for each group of islands, and joins groups that would tear the cloth between them. Gives back

@@ -124,6 +124,13 @@ fn escape(
         relaxer.set_frame(&input)?;
     }
     let mut end = descend(relaxer, best, progress)?;
+    if end == End::Stuck && relaxer.sides.is_some() {
+        relaxer.set_frame(&best.positions)?;
+        if relaxer.hangs_on_pins() {
+            // Nothing else waits for it, or goes without recovery.
+            return Ok(End::Clean);
+        }
+    }
     for objective in [Objective::Normal, Objective::Target] {
         if end == End::Stuck {
             relaxer.set_frame(&best.positions)?;

@@ -19,8 +19,10 @@
 //! | `winding` | the hierarchy of the winding number |
 //! | `surface` | closest points and rays |
 //! | `body` | these together: inside or not, and the way out |
+//! | `cluster` | vertices on the wrong side that edges join |
 
 mod body;
+mod cluster;
 mod outwards;
 mod solid_angle;
 mod surface;
@@ -34,6 +36,7 @@ use crate::mesh::{FaceId, VertexId};
 
 pub(crate) use body::cloth_vertices;
 pub use body::{Sides, Way};
+pub use cluster::{WrongCluster, clusters};
 
 /// A vertex of a cloth inside of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

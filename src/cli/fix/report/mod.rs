@@ -13,6 +13,7 @@ use untangle::{
     analysis::Analysis,
     paths::PairType,
     relax::{BlockedPath, Iteration, STRETCH_LIMIT},
+    sides::{Sides, clusters},
 };
 
 use crate::cli::{
@@ -108,8 +109,12 @@ impl Counts {
 /// A path that could not be resolved.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Blocked {
-    /// Its type.
-    pub pair_type: PairType,
+    /// Its type; nothing for vertices inside of a body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_type: Option<PairType>,
+    /// For vertices inside of a body, joined by edges, how many they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_inside_body: Option<usize>,
     /// A vertex next to it, counted from 0 over all files.
     pub vertex: u32,
     /// The file of that vertex.
@@ -118,7 +123,7 @@ pub struct Blocked {
     pub vertex_in_file: usize,
     /// The object or group that it stands in, if that has a name.
     pub part: Option<String>,
-    /// Its length in metres.
+    /// Its length in metres; of vertices inside of a body the largest depth.
     pub length_m: f64,
     /// Why, in words.
     pub reason: String,
@@ -127,11 +132,44 @@ pub struct Blocked {
 impl From<BlockedPath> for Blocked {
     fn from(path: BlockedPath) -> Self {
         let BlockedPath { pair_type, vertex, length_m, reason } = path;
-        Self { pair_type, vertex, file: String::new(), vertex_in_file: vertex as usize, part: None, length_m, reason }
+        Self {
+            pair_type: Some(pair_type),
+            num_vertices_inside_body: None,
+            vertex,
+            file: String::new(),
+            vertex_in_file: vertex as usize,
+            part: None,
+            length_m,
+            reason,
+        }
     }
 }
 
 impl Blocked {
+    /// What is inside of bodies in a state, cluster by cluster.
+    pub(super) fn inside_bodies(Input { weld, mesh, frame, .. }: &Input) -> Vec<Self> {
+        let Some(sides) = Sides::of(mesh, frame) else { return Vec::new() };
+        let blocked = clusters(mesh, &sides.wrong_vertices(mesh, frame)).into_iter().map(|cluster| {
+            let vertex = weld.first(cluster.vertex);
+            let reason = match cluster.num_pinned {
+                0 => "no motion brought it out of the body without crushing or overstretching the cloth",
+                count if count == cluster.num_vertices => "all its vertices are pinned, inside of a body",
+                _ => "a part of it is pinned inside of a body",
+            };
+            Self {
+                pair_type: None,
+                num_vertices_inside_body: Some(cluster.num_vertices),
+                vertex,
+                file: String::new(),
+                vertex_in_file: vertex as usize,
+                part: None,
+                length_m: cluster.depth_m,
+                reason: reason.to_owned(),
+            }
+        });
+        blocked.collect()
+    }
+
     /// Says to whom the vertices of paths belong.
     pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
         let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
@@ -249,10 +287,15 @@ impl Report {
     fn say_left(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let mut longest: Vec<&Blocked> = self.blocked.iter().collect();
         longest.sort_by(|a, b| b.length_m.total_cmp(&a.length_m));
-        for Blocked { pair_type, file, vertex_in_file, part, length_m, reason, .. } in longest.iter().take(MOST_LEFT) {
+        for blocked in longest.iter().take(MOST_LEFT) {
+            let Blocked { pair_type, num_vertices_inside_body, file, vertex_in_file, part, length_m, reason, .. } =
+                blocked;
             let part = part.as_ref().map_or_else(String::new, |part| format!(", {part}"));
-            let name = name_of(pair_type);
-            writeln!(f, "  left: {name} of {length_m:.5} m at vertex {vertex_in_file} of {file}{part}: {reason}")?;
+            let what = match num_vertices_inside_body {
+                Some(count) => format!("{} inside of a body, up to {length_m:.5} m deep,", Counted(*count, "vertex")),
+                None => format!("{} of {length_m:.5} m", pair_type.map(name_of).unwrap_or_default()),
+            };
+            writeln!(f, "  left: {what} at vertex {vertex_in_file} of {file}{part}: {reason}")?;
         }
         if self.blocked.len() > MOST_LEFT {
             let more = Counted(self.blocked.len() - MOST_LEFT, "shorter path");

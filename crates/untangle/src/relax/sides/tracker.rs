@@ -1,5 +1,7 @@
 //! Which free vertices are inside of a body, state by state.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -17,6 +19,8 @@ const MIN_VERTICES: usize = 64;
 #[derive(Debug)]
 pub(crate) struct SideTracker {
     pub(super) sides: Sides,
+    /// Pinned vertices of the cloth that are inside: nothing brings them out.
+    pinned_inside: Vec<VertexId>,
     /// By vertex, ascending.
     pub(super) tracked: Vec<Tracked>,
     /// The mean length of the edges round each vertex in the input, over all tracked vertices, in metres.
@@ -64,7 +68,9 @@ impl SideTracker {
         #[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
         let count = tracked.len().max(1) as f64;
         let mean_edge_m = tracked.iter().map(|tracked| tracked.edge_m).sum::<f64>() / count;
-        let mut tracker = Self { sides, tracked, mean_edge_m };
+        let pinned = cloth_vertices(mesh).filter(|&vertex| mesh.is_pinned(vertex));
+        let pinned_inside = pinned.filter(|&vertex| sides.is_inside(frame.position(vertex))).collect();
+        let mut tracker = Self { sides, pinned_inside, tracked, mean_edge_m };
         tracker.look(frame);
         Some(tracker)
     }
@@ -83,6 +89,31 @@ impl SideTracker {
             let clearance_m = if sides.are_closed() { sides.closest(place, is_inside).depth_m } else { 0.0 };
             *known = Tracked { place, is_inside, clearance_m, ..*known };
         });
+    }
+
+    /// Whether all that is left hangs on vertices that are pinned inside: free vertices that are joined with them inside,
+    /// and intersections beside these. `crossing` are vertices of what intersects, one list for each intersection.
+    pub(crate) fn hangs_on_pins(
+        &self,
+        mesh: &Mesh,
+        positions: &[Point3<f64>],
+        crossing: impl IntoIterator<Item = Vec<VertexId>>,
+    ) -> bool {
+        let wrong = self.wrong_vertices(positions);
+        let mut reached: BTreeSet<VertexId> = self.pinned_inside.iter().copied().collect();
+        let mut stack: Vec<VertexId> = self.pinned_inside.clone();
+        let mut beside = reached.clone();
+        while let Some(vertex) = stack.pop() {
+            for &edge in mesh.vertex_edges(vertex) {
+                let next = mesh.opposite_vertex(edge, vertex);
+                beside.insert(next);
+                if wrong.binary_search(&next).is_ok() && reached.insert(next) {
+                    stack.push(next);
+                }
+            }
+        }
+        wrong.iter().all(|vertex| reached.contains(vertex))
+            && crossing.into_iter().all(|vertices| vertices.iter().any(|vertex| beside.contains(vertex)))
     }
 
     /// The mean edge length of the cloth in the input, in metres.

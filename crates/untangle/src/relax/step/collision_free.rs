@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    intersect::{Intersections, Intersector},
-    mesh::{Mesh, VertexId},
+    intersect::{EdgeFaceIntersection, Intersections, Intersector},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
     relax::{energy::Domain, settings::ShouldStop, sides::SideTracker},
 };
 
@@ -63,6 +63,8 @@ impl<'a> CollisionFreeStep<'a> {
     ) -> bool {
         let inside = |positions: &[Point3<f64>]| sides.map(|sides| sides.wrong_vertices(positions)).unwrap_or_default();
         let before = inside(positions);
+        // What hangs on pins inside of a body stays, and holds up nothing else.
+        let mut left = Vec::new();
         self.damping.reset(self.domain.vertices().len());
         for round in 0..=BACKTRACKING.num_rounds() {
             if (self.should_stop)() {
@@ -81,6 +83,10 @@ impl<'a> CollisionFreeStep<'a> {
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
             let entered = inside(&self.step).into_iter().filter(|vertex| before.binary_search(vertex).is_err());
             let entered: Vec<VertexId> = entered.collect();
+            if sides.is_some() && round == 0 && !self.found.edge_face.is_empty() {
+                left = self.intersections_of(positions);
+            }
+            self.found.edge_face.retain(|found| is_new(&left, found));
             if entered.is_empty() && self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
@@ -95,6 +101,17 @@ impl<'a> CollisionFreeStep<'a> {
         }
         self.update_holds();
         false
+    }
+
+    /// All pairs of an edge and a face that intersect in a state, in order.
+    fn intersections_of(&self, positions: &[Point3<f64>]) -> Vec<(EdgeId, FaceId)> {
+        let Ok(frame) = Frame::new(self.mesh, &positions.iter().map(|point| (*point).into()).collect::<Vec<_>>())
+        else {
+            return Vec::new();
+        };
+        let mut found = Intersections::default();
+        Intersector::default().intersect(self.mesh, &frame, &mut found);
+        found.edge_face.iter().map(|found| (found.edge, found.face)).collect()
     }
 
     /// For each vertex of the domain how much it is held where it is, in units of the weights of its triangles.
@@ -113,4 +130,9 @@ impl<'a> CollisionFreeStep<'a> {
             }
         }
     }
+}
+
+/// Whether an intersection is none of those in a list.
+fn is_new(left: &[(EdgeId, FaceId)], found: &EdgeFaceIntersection) -> bool {
+    left.binary_search(&(found.edge, found.face)).is_err()
 }
