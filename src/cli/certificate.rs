@@ -4,16 +4,17 @@
 //! polygons into triangles by a rule of its own. A cloth is certified if none of them finds a crossing.
 
 use std::{
+    collections::BTreeSet,
     fmt::{self, Display, Formatter},
     ops::Range,
 };
 
 use serde::Serialize;
 
-use untangled_checker::{CheckError, Crossings, PolygonRef, fan_crossings, polygon_crossings};
+use untangled_checker::{CheckError, PolygonRef, fan_crossings, polygon_crossings, vertices_inside};
 use untangled_mesh_io::MeshFile;
 
-use super::{input::Input, wording::Counted};
+use super::{input::Input, roles::Bodies, wording::Counted};
 
 /// Crossings by reader. Touching is no crossing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -29,16 +30,31 @@ pub struct Certificate {
     pub num_polygon_pairs: usize,
     /// The same in single precision.
     pub num_polygon_pairs_single: Option<usize>,
+    /// Vertices of the cloth inside of a body, in double precision; nothing without bodies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_inside_body: Option<usize>,
+    /// The same in single precision.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_inside_body_single: Option<usize>,
 }
 
 impl Certificate {
-    /// Judges the world of `files`.
-    pub(super) fn of(files: &[MeshFile], input: &Input) -> Self {
-        let surface = Surface::new(files, input);
+    /// Judges the world of `files` and bodies. What bodies cross of themselves is left out.
+    pub(super) fn of(files: &[MeshFile], bodies: &Bodies, input: &Input) -> Self {
+        let surface = Surface::new(files, bodies, input);
         let single = surface.in_single_precision();
+        let inside = |surface: &Surface| (!bodies.is_empty()).then(|| surface.num_vertices_inside());
+        Self {
+            num_vertices_inside_body: inside(&surface),
+            num_vertices_inside_body_single: single.as_ref().and_then(inside),
+            ..Self::of_crossings(&surface, single.as_ref())
+        }
+    }
+
+    fn of_crossings(surface: &Surface, single: Option<&Surface>) -> Self {
         let count = |surface: &Surface| surface.num_crossings(false);
-        let num_crossings_single = single.as_ref().map(count);
-        let num_crossings = count(&surface);
+        let num_crossings_single = single.map(count);
+        let num_crossings = count(surface);
         if !surface.has_polygons() {
             return Self {
                 num_crossings,
@@ -53,6 +69,7 @@ impl Certificate {
             num_crossings_first_corner: surface.num_crossings(true),
             num_polygon_pairs: surface.polygon_pairs().len(),
             num_polygon_pairs_single: single.map(|single| single.polygon_pairs().len()),
+            ..Self::default()
         }
     }
 
@@ -63,7 +80,10 @@ impl Certificate {
 
     /// Whether rounding to single precision alone brings crossings.
     pub(super) fn is_tangled_by_rounding(&self) -> bool {
-        self.num_crossings == 0 && self.num_crossings_single.is_some_and(|count| count > 0)
+        let (double, single) = (self.num_vertices_inside_body, self.num_vertices_inside_body_single);
+        self.num_crossings == 0
+            && double.unwrap_or(0) == 0
+            && (self.num_crossings_single.is_some_and(|count| count > 0) || single.unwrap_or(0) > 0)
     }
 
     /// All crossings together, to compare two states by.
@@ -73,6 +93,8 @@ impl Certificate {
             + self.num_crossings_first_corner
             + self.num_polygon_pairs
             + self.num_polygon_pairs_single.unwrap_or(0)
+            + self.num_vertices_inside_body.unwrap_or(0)
+            + self.num_vertices_inside_body_single.unwrap_or(0)
     }
 }
 
@@ -91,6 +113,10 @@ impl Display for Certificate {
         if pairs > self.num_crossings {
             writeln!(f, "  polygons split along any diagonals: {}", Counted(pairs, "crossing polygon pair"))?;
         }
+        let inside = self.num_vertices_inside_body_single.unwrap_or(0);
+        if inside > self.num_vertices_inside_body.unwrap_or(0) {
+            writeln!(f, "  rounded to single precision: {} inside of a body", Counted(inside, "vertex"))?;
+        }
         Ok(())
     }
 }
@@ -102,10 +128,12 @@ pub(super) struct Surface {
     pub(super) corners: Vec<u32>,
     /// The corners and the triangles of each polygon.
     pub(super) polygons: Vec<[Range<usize>; 2]>,
+    /// The first polygon and triangle of bodies.
+    first_of_bodies: [usize; 2],
 }
 
 impl Surface {
-    pub(super) fn new(files: &[MeshFile], Input { weld, positions, .. }: &Input) -> Self {
+    pub(super) fn new(files: &[MeshFile], bodies: &Bodies, Input { weld, positions, .. }: &Input) -> Self {
         let (mut triangles, mut corners, mut polygons) = (Vec::new(), Vec::new(), Vec::new());
         let mut first = 0;
         // Vertices that are welded within a distance are judged as one, in one place. Those in exactly one place need
@@ -117,7 +145,8 @@ impl Surface {
             let place = |&welded: &u32| places[welded as usize];
             (Box::new(|vertex| weld.first(weld.of(vertex))), weld.welded_vertices().iter().map(place).collect())
         };
-        for file in files {
+        let mut first_of_bodies = [0; 2];
+        for (number, file) in files.iter().chain(&bodies.files).enumerate() {
             let of_world = |vertex: &u32| name(vertex + first);
             let own = file.polygons();
             let mut start = triangles.len();
@@ -130,8 +159,11 @@ impl Surface {
                 start = end;
             }
             first += u32::try_from(file.positions().len()).unwrap_or(u32::MAX);
+            if number < files.len() {
+                first_of_bodies = [polygons.len(), triangles.len()];
+            }
         }
-        Self { positions, triangles, corners, polygons }
+        Self { positions, triangles, corners, polygons, first_of_bodies }
     }
 
     /// The same as a reader of single precision sees it, unless a coordinate is beyond that.
@@ -143,6 +175,7 @@ impl Surface {
             triangles: self.triangles.clone(),
             corners: self.corners.clone(),
             polygons: self.polygons.clone(),
+            first_of_bodies: self.first_of_bodies,
         })
     }
 
@@ -160,15 +193,23 @@ impl Surface {
         sure(fan_crossings(&self.positions, self.polygon_refs())).pairs
     }
 
+    /// Vertices of the cloth that are inside of a body.
+    fn num_vertices_inside(&self) -> usize {
+        let (cloth, body) = self.triangles.split_at(self.first_of_bodies[1]);
+        let vertices: BTreeSet<u32> = cloth.iter().flatten().copied().collect();
+        sure(vertices_inside(&self.positions, vertices, body)).len()
+    }
+
     fn polygon_refs(&self) -> impl Iterator<Item = PolygonRef<'_>> {
-        self.polygons.iter().map(|[corners, triangles]| PolygonRef {
+        self.polygons.iter().enumerate().map(|(number, [corners, triangles])| PolygonRef {
+            is_body: number >= self.first_of_bodies[0],
             corners: &self.corners[corners.clone()],
             triangles: &self.triangles[triangles.clone()],
         })
     }
 }
 
-fn sure(found: Result<Crossings, CheckError>) -> Crossings {
+fn sure<T>(found: Result<T, CheckError>) -> T {
     found.unwrap_or_else(|error| unreachable!("files have finite positions and valid faces: {error}"))
 }
 

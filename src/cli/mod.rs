@@ -6,6 +6,7 @@
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `roles` | bodies beside the cloth: `--body` |
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
 //! | `gap` | `--gap`: the distance that primitives keep |
@@ -22,6 +23,7 @@ pub mod input;
 mod outcome;
 mod owners;
 pub mod picture;
+pub mod roles;
 mod serve;
 mod status;
 mod weld;

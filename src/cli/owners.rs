@@ -4,7 +4,7 @@ use untangled_mesh_io::{MeshFile, Printable};
 
 /// The files of a world, one after the other.
 pub(super) struct Owners<'a> {
-    files: &'a [MeshFile],
+    files: Vec<&'a MeshFile>,
 }
 
 /// A vertex by its owner.
@@ -17,13 +17,13 @@ pub(super) struct OwnedVertex {
 }
 
 impl<'a> Owners<'a> {
-    pub(super) fn new(files: &'a [MeshFile]) -> Self {
-        Self { files }
+    pub(super) fn new(files: impl IntoIterator<Item = &'a MeshFile>) -> Self {
+        Self { files: files.into_iter().collect() }
     }
 
     /// The owners of vertices, in the order asked for.
     pub(super) fn of_vertices(&self, vertices: impl Iterator<Item = u32>) -> Vec<Option<OwnedVertex>> {
-        let parts: Vec<_> = self.files.iter().map(MeshFile::vertex_parts).collect();
+        let parts: Vec<_> = self.files.iter().map(|file| file.vertex_parts()).collect();
         let owner = |vertex: u32| {
             let mut index = vertex as usize;
             for (file, parts) in self.files.iter().zip(&parts) {
@@ -41,7 +41,7 @@ impl<'a> Owners<'a> {
     /// The name of the owner of a face: its file, where there are several, and its part. Nothing if there is no name.
     pub(super) fn of_face(&self, face: u32) -> Option<String> {
         let mut index = face as usize;
-        for file in self.files {
+        for &file in &self.files {
             if index < file.faces().len() {
                 let part = file.part_of_face(index).map(ToString::to_string);
                 let own = (self.files.len() > 1).then(|| name_of(file));

@@ -11,5 +11,6 @@ mod gap;
 mod manual;
 mod mesh_folder;
 mod publish;
+mod roles;
 mod strangers;
 mod weld;

@@ -50,6 +50,7 @@ impl Cloth {
             masses_kg: None,
             pins: u32s::<1>("pins", &self.pins)?.into_flattened(),
             layers: layers.map(|layers| layers.into_flattened()),
+            body: Vec::new(),
         };
         let mesh = Mesh::new(description).map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok((mesh, positions))

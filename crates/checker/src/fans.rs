@@ -97,7 +97,7 @@ pub fn polygon_crossings<'a>(
 
 fn add_candidates(
     polygon: u32,
-    PolygonRef { corners, triangles: own }: PolygonRef<'_>,
+    PolygonRef { corners, triangles: own, .. }: PolygonRef<'_>,
     triangles: &mut Vec<[u32; 3]>,
     candidates: &mut Vec<Candidate>,
 ) {

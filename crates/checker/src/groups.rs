@@ -1,5 +1,5 @@
 //! Groups of triangles whose pairs need no look: a polygon of many corners that lies in one plane, or of which one
-//! crossing is known already.
+//! crossing is known already; and all bodies.
 //!
 //! The triangles of such a polygon are long, and the boxes of most pairs of them overlap.
 
@@ -19,6 +19,8 @@ pub(crate) struct Groups {
     /// Of each triangle; what is beyond the end belongs to none.
     of_triangle: Vec<u32>,
     is_closed: Vec<bool>,
+    /// That of all polygons of bodies.
+    body: Option<u32>,
 }
 
 impl Groups {
@@ -26,8 +28,18 @@ impl Groups {
     /// corners; it is closed if these lie in one plane, to the bit: triangles in one plane touch or cover each other,
     /// but none crosses another.
     ///
+    /// All polygons of bodies together form one closed group.
+    ///
     /// Cost: linear in the corners.
     pub(crate) fn add(&mut self, positions: &[Point], polygon: PolygonRef<'_>, num_triangles: usize) {
+        if polygon.is_body {
+            let body = *self.body.get_or_insert_with(|| {
+                self.is_closed.push(true);
+                u32::try_from(self.is_closed.len() - 1).unwrap_or(NO_GROUP)
+            });
+            self.of_triangle.resize(num_triangles, body);
+            return;
+        }
         if polygon.corners.len() <= FEW {
             self.of_triangle.resize(num_triangles, NO_GROUP);
             return;

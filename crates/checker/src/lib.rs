@@ -2,18 +2,21 @@
 //! purpose, so that a fault of the untangler can't hide itself.
 //!
 //! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), and a sign of zero means *on*.
-//! There is no perturbation and no tolerance. Two questions are answered:
+//! There is no perturbation and no tolerance. Three questions are answered:
 //!
 //! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets.
 //!   Touching counts.
 //! - [`crossings`]: which triangles cross *properly*, so that no small motion parts them. Touching does not count.
-//!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles.
+//!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles. What a body
+//!   crosses of itself is left out.
+//! - [`vertices_inside`]: which vertices of a cloth are inside of a body.
 //!
 //! Pairs come from a tree of boxes, whose comparisons are exact too.
 
 mod crossing;
 mod fans;
 mod groups;
+mod inside;
 mod polygon;
 mod primitive;
 mod surface;
@@ -24,6 +27,7 @@ mod tree;
 use thiserror::Error;
 
 pub use fans::{fan_crossings, polygon_crossings};
+pub use inside::vertices_inside;
 pub use polygon::PolygonRef;
 pub use primitive::Point;
 pub use surface::{Crossings, crossings};

@@ -24,14 +24,14 @@ pub struct World {
 ///
 /// # Errors
 /// [`ReadErrorKind::Malformed`] if the files together have more vertices than 32-bit indices can name.
-pub fn concatenate(files: &[MeshFile]) -> Result<World, ReadErrorKind> {
+pub fn concatenate<'a>(files: impl IntoIterator<Item = &'a MeshFile> + Clone) -> Result<World, ReadErrorKind> {
     let mut world = World {
         description: MeshDescription::default(),
         positions: Vec::new(),
-        file_vertices: Vec::with_capacity(files.len()),
-        file_faces: Vec::with_capacity(files.len()),
+        file_vertices: Vec::new(),
+        file_faces: Vec::new(),
     };
-    let with_uvs = files.iter().any(|file| file.uv_faces().is_some());
+    let with_uvs = files.clone().into_iter().any(|file| file.uv_faces().is_some());
     let mut uvs = Uvs::default();
     let faces = &mut world.description.faces;
     for file in files {

@@ -57,6 +57,8 @@ pub mod labels;
 
 pub mod respond;
 
+pub mod sides;
+
 pub mod relax;
 
 pub mod untangler;

@@ -28,6 +28,7 @@ use super::{
     input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
+    roles::{Bodies, BodyCounts, RoleArgs},
     weld::WeldArg,
 };
 use meetings::Meeting;
@@ -64,6 +65,9 @@ pub struct CheckArgs {
     /// `--gap` and `--gap-for`.
     #[command(flatten)]
     pub gap: GapArgs,
+    /// Files that are not cloth
+    #[command(flatten)]
+    pub roles: RoleArgs,
     /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
@@ -105,10 +109,10 @@ pub enum CheckError {
 /// # Errors
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
-    let contours =
-        args.contours.as_deref().map(|path| contours_format(path, &args.files, args.overwrite)).transpose()?;
+    let inputs = [args.files.as_slice(), &args.roles.bodies].concat();
+    let contours = args.contours.as_deref().map(|path| contours_format(path, &inputs, args.overwrite)).transpose()?;
     let (mut report, analysis) =
-        check_within(&args.files, args.weld, args.face_pairs, args.max_face_pairs, args.gap.asked())?;
+        check_within(&args.files, &args.roles, args.weld, args.face_pairs, args.max_face_pairs, args.gap.asked())?;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
         write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
@@ -116,7 +120,7 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
     let is_too_close = report.gap.as_ref().is_some_and(|gap| gap.num_pairs_below > 0);
-    Ok(if report.num_face_pairs > 0 || is_too_close { Outcome::Remaining } else { Outcome::Clean })
+    Ok(if report.is_clean() && !is_too_close { Outcome::Clean } else { Outcome::Remaining })
 }
 
 /// Reads and analyses files as one world, with the usual limit on what may intersect.
@@ -124,11 +128,12 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
 pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
-    check_within(files, weld, list_face_pairs, MAX_FACE_PAIRS, None)
+    check_within(files, &RoleArgs::default(), weld, list_face_pairs, MAX_FACE_PAIRS, None)
 }
 
 fn check_within(
     files: &[PathBuf],
+    roles: &RoleArgs,
     weld: WeldArg,
     list_face_pairs: bool,
     max_face_pairs: u64,
@@ -137,19 +142,24 @@ fn check_within(
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
+    let bodies = Bodies::read(roles, weld)?;
     clock.start(StageTimes::MESH);
-    let world = input::join(files, &meshes)?;
-    let input = Input::new(&meshes, world, weld)?;
+    let input = Input::new(&meshes, bodies.join(files, &meshes)?, weld)?;
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
     clock.start(StageTimes::CERTIFY);
-    let certificate = Certificate::of(&meshes, &input);
-    let owners = Owners::new(&meshes);
+    let certificate = Certificate::of(&meshes, &bodies, &input);
+    let owners = Owners::new(meshes.iter().chain(&bodies.files));
     if gap.is_some() {
         clock.start(StageTimes::GAP);
     }
     let gap = gap.map(|asked| GapReport::of(&asked, &input, &owners)).transpose()?;
     StageObserver::end(&mut clock);
-    let mut report = Report::new(files, &input, &analysis, certificate, clock.times, list_face_pairs);
+    // What is said of the mesh is said of the cloth.
+    let cloth = if bodies.is_empty() { None } else { Some(Input::new(&meshes, input::join(files, &meshes)?, weld)?) };
+    let shape = cloth.as_ref().unwrap_or(&input);
+    let mut report = Report::new(files, shape, &input.weld, &analysis, certificate, clock.times, list_face_pairs);
+    report.bodies = bodies.reports();
+    report.body_counts = BodyCounts::of(&input, &analysis.intersections);
     report.meetings = Meeting::of(&analysis, &owners);
     report.gap = gap;
     Ok((report, analysis))

@@ -21,6 +21,7 @@ use crate::cli::{
     certificate::Certificate,
     gap::GapReport,
     input::Input,
+    roles::{BodyCounts, BodyReport, say_bodies},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -67,6 +68,12 @@ pub struct Report {
     /// The distances of primitives, if a gap was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gap: Option<GapReport>,
+    /// The bodies, if any were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Vec<BodyReport>>,
+    /// What cloth and bodies have with each other; nothing without bodies.
+    #[serde(flatten)]
+    pub body_counts: Option<BodyCounts>,
     /// Time of each stage.
     pub time_us: StageTimes,
     /// Whether people are told the times.
@@ -182,7 +189,8 @@ impl CopyReport {
 impl Report {
     pub(super) fn new(
         files: &[PathBuf],
-        input @ Input { weld, mesh, .. }: &Input,
+        shape @ Input { mesh, .. }: &Input,
+        weld: &Weld,
         analysis: &Analysis,
         certificate: Certificate,
         time_us: StageTimes,
@@ -193,9 +201,9 @@ impl Report {
         Self {
             schema: "untangled.check/1",
             files: files.iter().map(|path| path.display().to_string()).collect(),
-            num_vertices: weld.num_vertices(),
-            num_welded_vertices: weld.num_merged(),
-            num_zeroed_coordinates: input.num_zeroed_coordinates(),
+            num_vertices: shape.weld.num_vertices(),
+            num_welded_vertices: shape.weld.num_merged(),
+            num_zeroed_coordinates: shape.num_zeroed_coordinates(),
             num_faces: mesh.num_faces(),
             num_ignored_faces: mesh.num_ignored_faces(),
             num_pieces: mesh.num_pieces(),
@@ -210,9 +218,16 @@ impl Report {
             certificate,
             meetings: Vec::new(),
             gap: None,
+            bodies: None,
+            body_counts: None,
             verbose: false,
             time_us,
         }
+    }
+
+    /// Whether nothing intersects, and no vertex of the cloth is inside of a body.
+    pub(super) fn is_clean(&self) -> bool {
+        self.num_face_pairs == 0 && self.body_counts.is_none_or(|counts| counts.num_vertices_inside_body == 0)
     }
 
     /// The document on one line.
@@ -250,7 +265,12 @@ impl Display for Report {
             self.path_table(f)?;
             write!(f, "{}", MeetingTable(&self.meetings))?;
         }
-        if self.num_face_pairs == 0 && !self.certificate.is_clean() {
+        if let Some(BodyCounts { num_body_face_pairs, num_vertices_inside_body }) = self.body_counts {
+            say_bodies(f, self.bodies.as_deref())?;
+            let pairs = Counted(num_body_face_pairs, "intersecting face pair");
+            writeln!(f, "  {pairs} with bodies, {} inside of a body", Counted(num_vertices_inside_body, "vertex"))?;
+        }
+        if self.is_clean() && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
         }
         if let Some(gap) = &self.gap {

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{input::MAX_FACE_PAIRS, weld::WeldArg};
+use crate::cli::{input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -51,13 +51,16 @@ pub struct FixArgs {
     #[arg(long, value_enum, default_value_t)]
     pub quality: QualityArg,
     /// Keep vertices where they are: a file of 0-based indices separated by white space, with # comments; of several
-    /// inputs together, pieces in order
+    /// FILEs together, pieces in order
     #[arg(long, value_name = "FILE")]
     pub pin: Option<PathBuf>,
     /// Vertices in one place that are one along seams, and move as one: those in `exact`ly one place, those within so
     /// many METRES, or none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
+    /// Files that are not cloth
+    #[command(flatten)]
+    pub roles: RoleArgs,
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,

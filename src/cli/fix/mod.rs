@@ -39,9 +39,11 @@ use super::{
     input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
+    roles::Bodies,
 };
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
+use target::Target;
 use terminal::{Interrupt, Progress};
 
 /// Runs the subcommand: prints the report on standard output.
@@ -62,16 +64,16 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let mut progress = Progress::new();
     progress.say("reading");
     let files = input::read_files(&args.files)?;
-    let (jobs, report_target) = plan(args, &files)?;
-    let (input, pins) = world(args, &files)?;
+    let bodies = Bodies::read(&args.roles, args.weld)?;
+    let (jobs, report_target) = plan(args, &files, &bodies)?;
+    let (input, pins) = world(args, &files, &bodies)?;
     interrupt.check()?;
     progress.say("analysing");
-    let analysis = analyse_within(&args.files, &input, args.max_face_pairs, &mut ())?;
-    let before = Counts::new(&analysis, Certificate::of(&files, &input));
-    drop(analysis);
+    let before = count(args, &files, &bodies, &input)?;
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
-    let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let repair =
+        Repair { files: &files, bodies: &bodies, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
     let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {
@@ -86,6 +88,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_certified(),
+        bodies: bodies.reports(),
         num_welded_vertices: input.weld.num_merged(),
         num_zeroed_coordinates: input.num_zeroed_coordinates(),
         time_limit_reached,
@@ -97,11 +100,10 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         blocked,
         history,
     };
-    let report_file = report_target.map(|target| {
-        target
-            .stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
-    });
-    let report_file = report_file.transpose()?;
+    let stage = |target: Target| {
+        target.stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|e| target.failed(&e)))
+    };
+    let report_file = report_target.map(stage).transpose()?;
     interrupt.commit()?;
     for file in staged.into_iter().chain(report_file) {
         file.persist()?;
@@ -109,10 +111,17 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     Ok(report)
 }
 
-/// The files as one world, and its pinned vertices.
-fn world(args: &FixArgs, files: &[MeshFile]) -> Result<(Input, Vec<u32>), FixError> {
-    let mut world = input::join(&args.files, files)?;
-    let pins = args.pin.as_deref().map(|path| pins::read(path, world.positions.len())).transpose()?.unwrap_or_default();
+/// Counts what intersects in the input.
+fn count(args: &FixArgs, files: &[MeshFile], bodies: &Bodies, input: &Input) -> Result<Counts, FixError> {
+    let analysis = analyse_within(&args.files, input, args.max_face_pairs, &mut ())?;
+    Ok(Counts::new(&analysis, input, Certificate::of(files, bodies, input)))
+}
+
+/// The files and the bodies as one world, and the pinned vertices of the files.
+fn world(args: &FixArgs, files: &[MeshFile], bodies: &Bodies) -> Result<(Input, Vec<u32>), FixError> {
+    let mut world = bodies.join(&args.files, files)?;
+    let num_vertices = files.iter().map(|file| file.positions().len()).sum();
+    let pins = args.pin.as_deref().map(|path| pins::read(path, num_vertices)).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
     Ok((Input::new(files, world, args.weld)?, pins))
 }

@@ -9,13 +9,11 @@ use untangle::{
     intersect::{Intersections, Intersector},
     mesh::{Mesh, VertexId},
     relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
+    sides::Sides,
 };
 use untangled_mesh_io::{MeshFile, read_mesh};
 
-use crate::cli::{
-    certificate::Certificate,
-    input::{self, Input},
-};
+use crate::cli::{certificate::Certificate, input::Input, roles::Bodies};
 
 use super::{
     error::FixError,
@@ -69,6 +67,7 @@ impl Repaired {
 #[derive(Debug)]
 pub(super) struct Repair<'a> {
     pub(super) files: &'a [MeshFile],
+    pub(super) bodies: &'a Bodies,
     pub(super) jobs: &'a [Job<'a>],
     pub(super) pins: &'a [u32],
     pub(super) settings: RelaxSettings,
@@ -108,12 +107,12 @@ impl Repair<'_> {
             meshes.push(mesh);
             staged.push(file);
         }
-        let mut world = input::join(&names, &meshes).map_err(FixError::ReadBack)?;
+        let mut world = self.bodies.join(&names, &meshes).map_err(FixError::ReadBack)?;
         world.description.pins = self.pins.to_vec();
         // What was one place is one place: the weld of the input is that of the output.
         let input = Input::with_weld(&meshes, world, start.weld.clone()).map_err(FixError::ReadBack)?;
         let analysis = analyse(&input.mesh, &input.frame);
-        let counts = Counts::new(&analysis, Certificate::of(&meshes, &input));
+        let counts = Counts::new(&analysis, &input, Certificate::of(&meshes, self.bodies, &input));
         Ok(Written { staged, counts, analysis, input })
     }
 
@@ -134,7 +133,7 @@ impl Repair<'_> {
         let mut counts = before.clone();
         for _ in 0..MOST_ROUNDS {
             let start = next.as_ref().unwrap_or(input);
-            let Some(view) = View::of(self.files, self.pins, start, &counts) else { break };
+            let Some(view) = View::of(self.files, self.bodies, self.pins, start, &counts) else { break };
             let round = self.round(start, &view, &mut history, &mut *solver, interrupt, progress)?;
             // Rounding or another diagonal brought intersections back: the next round starts from what was read back.
             time_limit_reached |= round.interrupted;
@@ -152,7 +151,7 @@ impl Repair<'_> {
             return Ok(Repaired::unchanged(self.write(input, &input.positions, interrupt)?));
         };
         let mut blocked: Vec<Blocked> = blocked.into_iter().map(Blocked::from).collect();
-        let is_worse = written.counts.num_edge_face_intersections > before.num_edge_face_intersections;
+        let is_worse = rank(&written.counts).0 > rank(before).0;
         let is_vain = before.is_clean() && rank(&written.counts) >= rank(before);
         if is_worse || is_vain {
             // Rounding made the state worse than the input, or nothing helped another reader.
@@ -164,6 +163,7 @@ impl Repair<'_> {
         } else if blocked.is_empty() {
             blocked = self.unresolved(&written, history.len());
         }
+        blocked.extend(Blocked::inside_bodies(&written.input));
         Ok(Repaired { written, history, blocked, time_limit_reached })
     }
 
@@ -241,15 +241,17 @@ impl Repair<'_> {
     }
 }
 
-/// How far a state is from clean: what intersects in it first, then what readers find.
+/// How far a state is from clean: what intersects in it or is inside of a body first, then what readers find.
 fn rank(counts: &Counts) -> (usize, usize) {
-    (counts.num_edge_face_intersections, counts.certificate.total())
+    (counts.num_edge_face_intersections + counts.num_inside(), counts.certificate.total())
 }
 
-/// Whether positions in memory have no intersection.
+/// Whether positions in memory have no intersection, and no vertex inside of a body.
 fn is_clean(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<bool, FixError> {
     let frame = Frame::new(mesh, positions).map_err(|source| FixError::Relax(source.into()))?;
     let mut intersections = Intersections::default();
     Intersector::default().intersect(mesh, &frame, &mut intersections);
-    Ok(intersections.edge_face.is_empty())
+    let sides = Sides::of(mesh, &frame);
+    let is_outside = sides.is_none_or(|sides| sides.wrong_vertices(mesh, &frame).is_empty());
+    Ok(intersections.edge_face.is_empty() && is_outside)
 }

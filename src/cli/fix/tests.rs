@@ -46,6 +46,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         quality: QualityArg::Balanced,
         pin: None,
         weld: WeldArg::Exact,
+        roles: Default::default(),
         overwrite: false,
     };
     (folder, args)

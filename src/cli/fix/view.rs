@@ -7,11 +7,12 @@ use untangle::{
     intersect::{Intersections, Intersector},
     mesh::{Mesh, MeshDescription},
 };
-use untangled_mesh_io::{MeshFile, concatenate};
+use untangled_mesh_io::MeshFile;
 
 use crate::cli::{
     certificate::{Surface, single},
     input::Input,
+    roles::Bodies,
 };
 
 use super::report::Counts;
@@ -31,12 +32,19 @@ pub(super) struct View {
 impl View {
     /// The view of a state in which there is something to resolve; `counts` are those of the state. Nothing if every
     /// reader finds it clean, or if what a reader finds can't be shown to the relaxation.
-    pub(super) fn of(files: &[MeshFile], pins: &[u32], state: &Input, counts: &Counts) -> Option<Self> {
+    pub(super) fn of(
+        files: &[MeshFile],
+        bodies: &Bodies,
+        pins: &[u32],
+        state: &Input,
+        counts: &Counts,
+    ) -> Option<Self> {
         let certificate = &counts.certificate;
         if !counts.is_clean() {
             return Some(Self { mesh: state.mesh.clone(), frame: state.frame.clone(), single_precision: false });
         }
-        if certificate.is_clean() || certificate.num_crossings > 0 {
+        let num_inside = certificate.num_vertices_inside_body.unwrap_or(0);
+        if certificate.is_clean() || certificate.num_crossings > 0 || num_inside > 0 {
             return None;
         }
         if certificate.is_tangled_by_rounding() {
@@ -44,17 +52,23 @@ impl View {
             return Some(Self { mesh: state.mesh.clone(), frame, single_precision: true });
         }
         let single_precision = certificate.num_polygon_pairs == 0;
-        Self::split_otherwise(files, pins, state, single_precision)
+        Self::split_otherwise(files, bodies, pins, state, single_precision)
     }
 
     /// The state with polygons that cross split so that most intersects.
-    fn split_otherwise(files: &[MeshFile], pins: &[u32], state: &Input, single_precision: bool) -> Option<Self> {
-        let surface = Surface::new(files, state);
+    fn split_otherwise(
+        files: &[MeshFile],
+        bodies: &Bodies,
+        pins: &[u32],
+        state: &Input,
+        single_precision: bool,
+    ) -> Option<Self> {
+        let surface = Surface::new(files, bodies, state);
         let surface = if single_precision { surface.in_single_precision()? } else { surface };
         let pairs = surface.polygon_pairs();
         let num_corners = |polygon: &u32| surface.polygons[*polygon as usize][0].len();
         let most = pairs.iter().flatten().map(num_corners).max()?.min(MOST_FANS);
-        let mut world = concatenate(files).ok()?.description;
+        let mut world = bodies.join(&[], files).ok()?.description;
         world.pins = pins.to_vec();
         let mut best: Option<(usize, Self)> = None;
         for start in 0..most {

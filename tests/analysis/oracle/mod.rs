@@ -1,5 +1,6 @@
 //! Analyses against brute force, another tree, and known answers.
 
+mod bodies;
 mod brute_force;
 mod known_answers;
 mod second_broad_phase;

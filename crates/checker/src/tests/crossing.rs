@@ -170,8 +170,10 @@ fn fan_crossings_see_what_another_diagonal_brings() {
     let quad: &[u32] = &[0, 1, 2, 3];
     let own = [[0, 1, 2], [0, 2, 3], [4, 5, 6]];
     assert_eq!(pairs(&positions, &own), [[0_u32; 2]; 0]);
-    let polygons =
-        [PolygonRef { corners: quad, triangles: &own[..2] }, PolygonRef { corners: spike, triangles: &own[2..] }];
+    let polygons = [
+        PolygonRef { corners: quad, triangles: &own[..2], is_body: false },
+        PolygonRef { corners: spike, triangles: &own[2..], is_body: false },
+    ];
     let mut low = positions;
     low[4][2] = 0.5;
     assert_eq!(fan_crossings(&positions, polygons).unwrap().pairs, [[0_u32; 2]; 0]);

@@ -1,4 +1,5 @@
 mod crossing;
 mod hits;
 mod hubs;
+mod inside;
 mod polygons;

@@ -30,7 +30,7 @@ fn pairs_of_a_flat_polygon_of_many_corners_are_not_visited() {
     let (positions, corners, _) = star(4_000, 0.5);
     let fan: Vec<[u32; 3]> = (1..3_999).map(|k| [0, k, k + 1]).collect();
     let mut groups = Groups::default();
-    groups.add(&positions, PolygonRef { corners: &corners, triangles: &fan }, fan.len());
+    groups.add(&positions, PolygonRef { corners: &corners, triangles: &fan, is_body: false }, fan.len());
     let mut num = 0;
     Tree::new(&positions, &fan, &groups).pairs(&mut groups, &mut |_, _| {
         num += 1;
@@ -46,8 +46,10 @@ fn crossings_of_a_flat_polygon_with_another_are_all_found() {
     let first = u32::try_from(positions.len()).unwrap();
     positions.extend([[0.1, 0.0, -1.0], [0.2, 0.1, 1.0], [0.15, -0.1, 1.0]]);
     let post = [[first, first + 1, first + 2]];
-    let polygons =
-        [PolygonRef { corners: &corners, triangles: &own }, PolygonRef { corners: &post[0], triangles: &post }];
+    let polygons = [
+        PolygonRef { corners: &corners, triangles: &own, is_body: false },
+        PolygonRef { corners: &post[0], triangles: &post, is_body: false },
+    ];
     let all = [&own[..], &post].concat();
     let expected = crossings(&positions, &all).unwrap().pairs;
     assert!(!expected.is_empty());
@@ -59,7 +61,7 @@ fn crossings_of_a_flat_polygon_with_another_are_all_found() {
 fn polygon_crossings_list_one_crossing_of_a_ragged_fan_with_itself() {
     // Rounding lifts corners out of the plane, so that the triangles that cover each other cross.
     let (positions, corners, own) = star(500, 1.0 / 3.0);
-    let polygon = [PolygonRef { corners: &corners, triangles: &own }];
+    let polygon = [PolygonRef { corners: &corners, triangles: &own, is_body: false }];
     let fan: Vec<[u32; 3]> = (1..499).map(|k| [0, k, k + 1]).collect();
     assert!(crossings(&positions, &fan).unwrap().pairs.len() > 100);
     assert_eq!(polygon_crossings(&positions, polygon, true).unwrap().pairs.len(), 1);

@@ -1,5 +1,6 @@
 //! Generated meshes with positions. The same seed gives the same bits.
 
+mod bodies;
 pub mod degenerate;
 mod fan;
 pub mod furrows;

@@ -17,7 +17,8 @@ impl Mesh {
     /// Cost: O(n log n) time, some 100 bytes a face.
     pub fn new(description: MeshDescription) -> Result<Self, MeshError> {
         validate(&description)?;
-        let MeshDescription { num_vertices, faces, uvs, rest_positions, masses_kg, pins, layers } = description;
+        let is_body = description.are_body_vertices();
+        let MeshDescription { num_vertices, faces, uvs, rest_positions, masses_kg, pins, layers, body } = description;
         let faces: Vec<[VertexId; 3]> = faces.into_iter().map(|corners| corners.map(VertexId)).collect();
 
         let Edges { edges, face_edges } = number_edges(&faces);
@@ -26,7 +27,7 @@ impl Mesh {
         let (face_piece, num_pieces) = number_pieces(&face_edges, &incidence.edge_faces);
         let num_ignored_faces = face_edges.iter().filter(|edges| edges.is_none()).count();
         let mut is_pinned = vec![false; num_vertices];
-        for pin in pins {
+        for pin in pins.into_iter().chain(body) {
             is_pinned[pin as usize] = true;
         }
 
@@ -51,6 +52,7 @@ impl Mesh {
             rest_positions,
             masses_kg,
             is_pinned,
+            is_body,
             layers,
         };
         mesh.manifold = mesh.manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));

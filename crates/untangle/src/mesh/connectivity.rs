@@ -3,7 +3,7 @@
 use super::{Csr, EdgeId, FaceId, MeshIdentity, PieceId, Uvs, VertexId};
 
 /// Validated connectivity of one or several pieces of cloth, and the data of its elements that no frame changes:
-/// texture coordinates, rest positions, masses, pins and layers.
+/// texture coordinates, rest positions, masses, pins, layers and bodies.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub(super) identity: MeshIdentity,
@@ -27,6 +27,8 @@ pub struct Mesh {
     pub(super) rest_positions: Option<Vec<[f64; 3]>>,
     pub(super) masses_kg: Option<Vec<f64>>,
     pub(super) is_pinned: Vec<bool>,
+    /// One for each vertex, or empty if there is no body.
+    pub(super) is_body: Vec<bool>,
     pub(super) layers: Option<Vec<u32>>,
 }
 
@@ -218,6 +220,26 @@ impl Mesh {
     #[must_use]
     pub fn masses_kg(&self) -> Option<&[f64]> {
         self.masses_kg.as_deref()
+    }
+
+    /// Whether some vertices belong to bodies.
+    #[must_use]
+    pub fn has_body(&self) -> bool {
+        !self.is_body.is_empty()
+    }
+
+    /// Whether a vertex belongs to a body. Such vertices are [pinned](Self::is_pinned).
+    #[must_use]
+    #[inline(always)]
+    pub fn is_body(&self, vertex: VertexId) -> bool {
+        self.has_body() && self.is_body[vertex.index()]
+    }
+
+    /// Whether a face belongs to a body: all of its corners do, or none.
+    #[must_use]
+    #[inline(always)]
+    pub fn is_body_face(&self, face: FaceId) -> bool {
+        self.is_body(self.face(face)[0])
     }
 
     /// Whether the host holds this vertex in place.

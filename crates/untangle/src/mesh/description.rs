@@ -17,6 +17,9 @@ pub struct MeshDescription {
     pub pins: Vec<u32>,
     /// Layer of each vertex, `num_vertices`, from the body outwards.
     pub layers: Option<Vec<u32>>,
+    /// Vertices of bodies: kinematic, moved by the host alone, and pinned here. Faces have all or none of their corners
+    /// among them. Cloth belongs outside; two faces of bodies are never searched for intersections.
+    pub body: Vec<u32>,
 }
 
 /// Texture coordinates: an atlas in which a corner, not a vertex, has its place.

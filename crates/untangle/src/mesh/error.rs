@@ -33,6 +33,12 @@ pub enum MeshError {
         /// Vertices given.
         num_vertices: usize,
     },
+    /// A face has corners of a body, and others.
+    #[error("face {face} has vertices of a body and of a cloth; a face belongs to one of them")]
+    MixedFace {
+        /// The face at fault.
+        face: usize,
+    },
     /// All faces repeat an index.
     #[error("none of the {num_faces} faces has three different vertices")]
     NoUsableFace {

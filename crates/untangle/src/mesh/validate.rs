@@ -10,9 +10,18 @@ impl MeshDescription {
     pub fn validate(&self) -> Result<(), MeshError> {
         validate(self)
     }
+
+    /// For each vertex whether it belongs to a body; empty where none does. Indices must be valid.
+    pub(super) fn are_body_vertices(&self) -> Vec<bool> {
+        let mut is_body = vec![false; if self.body.is_empty() { 0 } else { self.num_vertices }];
+        for &vertex in &self.body {
+            is_body[vertex as usize] = true;
+        }
+        is_body
+    }
 }
 
-/// Checks a description in the order faces, texture coordinates, rest positions, masses, layers, pins.
+/// Checks a description in the order faces, texture coordinates, rest positions, masses, layers, pins, bodies.
 ///
 /// # Errors
 /// [`MeshError`] with the first fault found.
@@ -81,7 +90,28 @@ fn validate_sections(description: &MeshDescription) -> Result<(), MeshError> {
             return Err(MeshError::SectionIndex { section: "pins", entry, index, limit: num_vertices });
         }
     }
-    Ok(())
+    validate_body(description)
+}
+
+fn validate_body(description: &MeshDescription) -> Result<(), MeshError> {
+    let limit = description.num_vertices;
+    for (entry, &index) in description.body.iter().enumerate() {
+        if index as usize >= limit {
+            return Err(MeshError::SectionIndex { section: "body", entry, index, limit });
+        }
+    }
+    if description.body.is_empty() {
+        return Ok(());
+    }
+    let is_body = description.are_body_vertices();
+    let is_mixed = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|corner| is_body[corner as usize]);
+        a != b || b != c
+    };
+    match description.faces.iter().position(is_mixed) {
+        Some(face) => Err(MeshError::MixedFace { face }),
+        None => Ok(()),
+    }
 }
 
 fn check_length(section: &'static str, given: usize, expected: usize) -> Result<(), MeshError> {
@@ -120,6 +150,10 @@ mod tests {
         assert_eq!(error(description), MeshError::SectionLength { section: "masses", given: 1, expected: 3 });
         let description = MeshDescription { pins: vec![3], ..good.clone() };
         assert_eq!(error(description), MeshError::SectionIndex { section: "pins", entry: 0, index: 3, limit: 3 });
+        let description = MeshDescription { body: vec![0, 2], ..good.clone() };
+        assert_eq!(error(description), MeshError::MixedFace { face: 0 });
+        let description = MeshDescription { body: vec![0, 1, 2, 3], ..good.clone() };
+        assert_eq!(error(description), MeshError::SectionIndex { section: "body", entry: 3, index: 3, limit: 3 });
         let description = MeshDescription { masses_kg: Some(vec![1.0, -1.0, 1.0]), ..good };
         assert!(matches!(error(description), MeshError::SectionValue { entry: 1, .. }));
     }

@@ -141,12 +141,12 @@ impl<'a, 'm> Flow<'a, 'm> {
             if (self.relaxer.should_stop)() {
                 return Ok(End::Interrupted);
             }
-            let Relaxer { mesh, frame, first_islands, now, .. } = &mut *self.relaxer;
+            let Relaxer { mesh, frame, sides, first_islands, now, .. } = &mut *self.relaxer;
             frame.set(mesh, self.flat.iter().map(|point| (*point).into()))?;
             intersector.intersect(mesh, frame, &mut self.found);
-            measure(mesh, frame, &self.found, first_islands, now);
-            let Tangle { num_edge_face, length_m, .. } = total(now);
-            self.is_clean = num_edge_face == 0;
+            measure(mesh, frame, &self.found, sides.as_ref(), first_islands, now);
+            let tangle @ Tangle { num_edge_face, length_m, .. } = total(now);
+            self.is_clean = tangle.is_none();
             if self.relaxer.note(Method::Flatten, num_edge_face, length_m, progress).is_break() {
                 return Ok(End::Interrupted);
             }
@@ -191,7 +191,7 @@ impl<'a, 'm> Flow<'a, 'm> {
             if (self.relaxer.should_stop)() {
                 return End::Interrupted;
             }
-            if step.advance(positions, &target, single_precision) {
+            if step.advance(positions, &target, single_precision, self.relaxer.sides.as_ref()) {
                 least.offer(positions, self.num_violated(positions));
                 if self.relaxer.note(Method::Flatten, 0, 0.0, progress).is_break() {
                     return End::Interrupted;

@@ -5,6 +5,7 @@
 //! | [`settings`](RelaxSettings), [`outcome`](Relaxation) | what a caller chooses, and gets |
 //! | `energy` | what a displacement costs: as rigid as possible, bending |
 //! | `constraints` | what it has to satisfy: separation constraints from the paths, strain limits |
+//! | `sides` | what is inside of bodies, and the constraints that bring it out |
 //! | `step` | one step: the displacement, contacts, line search, islands of coupled contours |
 //! | `plan` | which displacements are tried, and in which order of plans |
 //! | `relaxer` | the state of a relaxation under way |
@@ -28,6 +29,7 @@ mod relaxer;
 mod resolve;
 mod settings;
 mod settle;
+mod sides;
 mod solver;
 mod step;
 

@@ -10,8 +10,10 @@ use super::{
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
     settings::{RelaxSettings, ShouldStop},
+    sides::{SideRows, SideTracker},
     step::{
-        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, measure, num_movable, remove_pinned_chains,
+        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, is_movable, measure, num_movable,
+        remove_pinned_chains,
     },
 };
 use crate::{
@@ -65,6 +67,8 @@ pub(super) struct Relaxer<'a> {
     pub(super) separated: Constraints,
     /// The islands of the input, which say what moves together during shape recovery.
     pub(super) first_islands: Islands,
+    /// The bodies, if there are any.
+    pub(super) sides: Option<SideTracker>,
     /// Whether there are chains among pinned vertices.
     pub(super) has_pinned_chains: bool,
     pub(super) edge_length_m: f64,
@@ -85,6 +89,7 @@ impl<'a> Relaxer<'a> {
             should_stop,
             analysis_settings: Settings { inside: InsideChoice::Work, ..Settings::default() },
             rest: RestShape::of(mesh, &frame),
+            sides: SideTracker::of(mesh, &frame),
             limits: StrainLimits::of(mesh, &frame),
             orientation: Orientation::of(mesh),
             frame,
@@ -113,6 +118,20 @@ impl<'a> Relaxer<'a> {
         Ok(())
     }
 
+    /// The free vertices that are inside of a body.
+    pub(super) fn wrong_vertices(&self) -> Vec<VertexId> {
+        self.sides.as_ref().map(|sides| sides.wrong_vertices(self.frame.positions())).unwrap_or_default()
+    }
+
+    /// Constraints that keep vertices of the present domain that are near a body outside of it.
+    pub(super) fn rows_near_bodies(&self) -> SideRows {
+        let mut rows = SideRows::default();
+        if let Some(sides) = &self.sides {
+            rows.find_near(sides, &self.frame, &self.domain);
+        }
+        rows
+    }
+
     /// Analyses the present state, without the chains among pinned vertices.
     pub(super) fn analyse(&mut self) {
         let Self { mesh, frame, analysis_settings, has_pinned_chains, .. } = self;
@@ -134,8 +153,9 @@ impl<'a> Relaxer<'a> {
     /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.
     pub(super) fn measure_islands(&mut self, reach: usize) {
         let analysis = self.analyser.last();
-        self.islands.find(self.mesh, analysis, reach);
-        measure(self.mesh, &self.frame, &analysis.intersections, &self.islands, &mut self.now);
+        self.islands.find(self.mesh, analysis, &self.wrong_vertices(), reach);
+        let found = &analysis.intersections;
+        measure(self.mesh, &self.frame, found, self.sides.as_ref(), &self.islands, &mut self.now);
     }
 
     /// Makes room for trials.
@@ -157,6 +177,7 @@ impl<'a> Relaxer<'a> {
         let context = TrialContext {
             energy,
             present: &self.analyser.last().intersections,
+            sides: self.sides.as_ref(),
             islands: &self.islands,
             limits: &self.limits,
             passing: &self.passing,
@@ -168,9 +189,17 @@ impl<'a> Relaxer<'a> {
         self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
     }
 
-    /// Whether nothing intersects that a motion can change.
+    /// Whether nothing intersects that a motion can change, and no free vertex is inside of a body.
     pub(super) fn is_clean(&self) -> bool {
-        num_movable(self.mesh, &self.analyser.last().intersections) == 0
+        num_movable(self.mesh, &self.analyser.last().intersections) == 0 && self.wrong_vertices().is_empty()
+    }
+
+    /// Whether nothing is left but what hangs on vertices that are pinned inside of a body, which no motion resolves.
+    pub(super) fn hangs_on_pins(&self) -> bool {
+        let Self { mesh, frame, .. } = self;
+        let found = self.analyser.last().intersections.edge_face.iter().filter(|found| is_movable(mesh, found));
+        let vertices = found.map(|found| mesh.edge(found.edge).into_iter().chain(mesh.face(found.face)).collect());
+        self.sides.as_ref().is_some_and(|sides| sides.hangs_on_pins(mesh, frame.positions(), vertices))
     }
 
     /// Chooses a trial for each group of islands, and joins groups that would tear the cloth between them. Gives back

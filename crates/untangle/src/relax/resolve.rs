@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::{
-    constraints::{ConstraintSource, Objective, collect},
+    constraints::{ConstraintSource, Objective, collect, collect_beside_bodies},
     outcome::{BestState, End, Method, RelaxError},
     plan::{Pace, StallCriterion, trials},
     relaxer::{Progress, Relaxer, StopObserver},
     settings::Effort,
+    sides::SideRows,
     step::{TrialSettings, least_tangled, total},
 };
 use crate::{
@@ -21,6 +22,8 @@ use crate::{
 const DOMAIN_RINGS: usize = 14;
 /// The part of the rest shape in the edges that are kept, from the second iteration on.
 const REST_WEIGHT: f64 = 0.3;
+/// Gap that is to be left between cloth and bodies, in edge lengths of the cloth.
+const SIDE_GAP: f64 = 0.2;
 
 /// Iterates from the present state until nothing intersects any more, or nothing helps any more. Paths with targets are
 /// resolved for one objective first, and for the others where that does not help.
@@ -97,16 +100,30 @@ fn iterate(
 /// Collects the constraints of all trials, and the domain that they move.
 fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     relaxer.resize_trials(settings.len());
-    let Relaxer { mesh, frame, analyser, analysis_settings, .. } = relaxer;
+    let Relaxer { mesh, frame, analyser, analysis_settings, sides, .. } = relaxer;
     let analysis = analyser.last();
     let found =
         relaxer.correspondent.find(mesh, frame, analysis, analysis_settings, &mut StopObserver(relaxer.should_stop));
     let source = ConstraintSource { mesh, frame, analysis, found, orientation: &relaxer.orientation };
     let trials = &mut relaxer.trials[..settings.len()];
     for (trial, settings) in trials.iter_mut().zip(settings) {
-        collect(&mut trial.constraints, &source, settings.objective);
+        if sides.is_some() {
+            collect_beside_bodies(&mut trial.constraints, &source, settings.objective);
+        } else {
+            collect(&mut trial.constraints, &source, settings.objective);
+        }
     }
-    relaxer.domain.grow(mesh, trials.iter().flat_map(|trial| trial.constraints.vertices()), DOMAIN_RINGS);
+    let mut rows = SideRows::default();
+    if let Some(sides) = sides {
+        sides.look(frame);
+        rows.find(sides, mesh, frame, &analysis.intersections);
+    }
+    let seeds = trials.iter().flat_map(|trial| trial.constraints.vertices()).chain(rows.vertices());
+    relaxer.domain.grow(mesh, seeds, DOMAIN_RINGS);
+    if let Some(sides) = sides {
+        rows.find_near(sides, frame, &relaxer.domain);
+        trials.iter_mut().for_each(|trial| rows.add(SIDE_GAP, &mut trial.constraints));
+    }
     mark_passing(mesh, analysis, &mut relaxer.passing);
     relaxer.edge_length_m =
         mean_edge_length(mesh, frame, analysis.paths.segments.iter().map(|segment| segment.own)).unwrap_or(0.0);

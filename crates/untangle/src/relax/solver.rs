@@ -89,8 +89,12 @@ fn flatten_if_it_pays(
 }
 
 /// Whether most of what intersects meets pinned faces: a body that stays. The shortest motion out of it may lead
-/// through it, while the regions of the paths show on which side the cloth belongs.
+/// through it, while the regions of the paths show on which side the cloth belongs. A mesh with bodies knows
+/// that of them.
 fn is_against_pins(relaxer: &Relaxer<'_>) -> bool {
+    if relaxer.sides.is_some() {
+        return false;
+    }
     let segments = &relaxer.analyser.last().intersections.segments;
     let meets_pins = |segment: &&Segment| segment.faces.iter().any(|&face| are_faces_pinned(relaxer.mesh, [face]));
     2 * segments.iter().filter(meets_pins).count() > segments.len()
@@ -104,7 +108,7 @@ fn escape(
     best: &mut BestState,
     progress: &mut Progress<'_>,
 ) -> Result<End, RelaxError> {
-    if largest.is_crowded() {
+    if largest.is_crowded() && relaxer.sides.is_none() {
         return Ok(End::Stuck);
     }
     if is_against_pins(relaxer) {
@@ -118,6 +122,13 @@ fn escape(
         relaxer.set_frame(&input)?;
     }
     let mut end = descend(relaxer, best, progress)?;
+    if end == End::Stuck && relaxer.sides.is_some() {
+        relaxer.set_frame(&best.positions)?;
+        if relaxer.hangs_on_pins() {
+            // Nothing else waits for it, or goes without recovery.
+            return Ok(End::Clean);
+        }
+    }
     for objective in [Objective::Normal, Objective::Target] {
         if end == End::Stuck {
             relaxer.set_frame(&best.positions)?;
@@ -145,7 +156,8 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
         relaxer.analysis_settings.inside = wanted;
         relaxer.analyse();
     }
-    relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), usize::MAX / 2);
+    let wrong = relaxer.wrong_vertices();
+    relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), &wrong, usize::MAX / 2);
     largest
 }
 
@@ -156,7 +168,8 @@ fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
     let island = (0..now.len()).rev().max_by_key(|&island| now[island].num_edge_face).unwrap_or(0);
     let is_here = |pair: &&PathPair| {
         let first = &paths.segments[paths.copies[pair.copies.start].segments.start];
-        islands.of(mesh.face(first.own)[0]) == island
+        let face = if mesh.is_body_face(first.own) { first.partner } else { first.own };
+        islands.of(mesh.face(face)[0]) == island
     };
     let closed = mesh.closed_pieces();
     let is_flattenable = |segment: &&Segment| {

@@ -16,7 +16,7 @@
 //!
 //! The two sides of a double-sided cloth so stay what their faces say: they are joined along their hems only, where
 //! both end. Sheets that touch in single points, or cross through common places, stay apart. Nothing is welded across
-//! parts (files): they are pieces of their own.
+//! parts (files), nor a body with a cloth: they are pieces of their own.
 //!
 //! | file | purpose |
 //! |---|---|
@@ -79,7 +79,7 @@ impl Weld {
     /// Vertices are in one place if their coordinates are equal (a zero of either sign is zero), or for a positive
     /// `distance_m` if a chain of vertices joins them whose links are at most that long. The order of vertices and
     /// faces plays no part. Vertices of different `parts` (ranges that do not overlap; none for one part) are never
-    /// welded.
+    /// welded, nor is a vertex of a body with one of a cloth.
     ///
     /// Cost: O(n log n), and for a distance some 60 look-ups a vertex.
     ///
@@ -99,9 +99,10 @@ impl Weld {
         if !(distance_m.is_finite() && distance_m >= 0.0) {
             return Err(WeldError::Distance(distance_m));
         }
-        let exact = places::exact(positions, parts);
+        let parts = places::parts_of(expected, parts, &description.body);
+        let exact = places::exact(positions, &parts);
         let within = distance_m > 0.0;
-        let near = if within { places::within(positions, parts, distance_m) } else { exact.clone() };
+        let near = if within { places::within(positions, &parts, distance_m) } else { exact.clone() };
         Ok(Self::from_first(seams::find(&description.faces, &near, &exact), within))
     }
 
@@ -165,15 +166,18 @@ impl Weld {
     }
 
     /// The description of the welded mesh. Faces and texture coordinates, which belong to corners, keep their order;
-    /// masses are summed; a welded vertex is pinned if one of its copies is; rest position and layer are those of its
-    /// first copy.
+    /// masses are summed; a welded vertex is pinned, or of a body, if one of its copies is; rest position and layer are
+    /// those of its first copy.
     #[must_use]
     pub fn describe(&self, description: &MeshDescription) -> MeshDescription {
-        let MeshDescription { faces, uvs, rest_positions, masses_kg, pins, layers, .. } = description;
+        let MeshDescription { faces, uvs, rest_positions, masses_kg, pins, layers, body, .. } = description;
         let of_first = |welded: usize| self.copies.row(welded)[0] as usize;
-        let mut pins: Vec<u32> = pins.iter().map(|&pin| self.welded[pin as usize]).collect();
-        pins.sort_unstable();
-        pins.dedup();
+        let welded = |vertices: &[u32]| {
+            let mut welded: Vec<u32> = vertices.iter().map(|&vertex| self.welded[vertex as usize]).collect();
+            welded.sort_unstable();
+            welded.dedup();
+            welded
+        };
         MeshDescription {
             num_vertices: self.num_welded,
             faces: faces.iter().map(|corners| corners.map(|corner| self.welded[corner as usize])).collect(),
@@ -185,7 +189,8 @@ impl Weld {
                 let sum = |welded| self.copies.row(welded).iter().map(|&copy| masses[copy as usize]).sum();
                 (0..self.num_welded).map(sum).collect()
             }),
-            pins,
+            pins: welded(pins),
+            body: welded(body),
             layers: layers.as_ref().map(|layers| (0..self.num_welded).map(|welded| layers[of_first(welded)]).collect()),
         }
     }

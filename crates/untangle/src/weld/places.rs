@@ -7,9 +7,8 @@ use super::groups::Groups;
 /// For each vertex the lowest vertex in its place.
 pub(super) type Places = Vec<u32>;
 
-/// Vertices whose coordinates are equal are in one place.
-pub(super) fn exact(positions: &[[f64; 3]], parts: &[Range<usize>]) -> Places {
-    let part = part_of(positions.len(), parts);
+/// Vertices of one part whose coordinates are equal are in one place.
+pub(super) fn exact(positions: &[[f64; 3]], part: &[u32]) -> Places {
     let mut places: Places = (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect();
     let mut order = places.clone();
     // Adding zero makes one of the two zeros, which are one place.
@@ -30,17 +29,16 @@ pub(super) fn exact(positions: &[[f64; 3]], parts: &[Range<usize>]) -> Places {
     places
 }
 
-/// Vertices joined by a chain of vertices, each at most `distance_m` from the next, are in one place.
+/// Vertices of one part joined by a chain of vertices, each at most `distance_m` from the next, are in one place.
 ///
 /// Vertices are put into cells of half that side. A cell is smaller than the distance, so all of it is one place; two
 /// cells up to two steps apart are joined by the first two vertices that are near enough. A distance that coordinates
 /// of this size can't resolve is none.
-pub(super) fn within(positions: &[[f64; 3]], parts: &[Range<usize>], distance_m: f64) -> Places {
+pub(super) fn within(positions: &[[f64; 3]], part: &[u32], distance_m: f64) -> Places {
     let largest = positions.iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     if distance_m < largest * f64::EPSILON * 8.0 {
-        return exact(positions, parts);
+        return exact(positions, part);
     }
-    let part = part_of(positions.len(), parts);
     let cell_of = |vertex: usize| positions[vertex].map(|value| (value / (0.5 * distance_m)).floor() + 0.0);
     let mut cells: HashMap<(u32, [u64; 3]), Vec<u32>> = HashMap::new();
     let mut groups = Groups::new(positions.len());
@@ -72,11 +70,15 @@ pub(super) fn within(positions: &[[f64; 3]], parts: &[Range<usize>], distance_m:
     groups.into_firsts()
 }
 
-/// The part of each vertex, from 1; 0 for a vertex of none.
-fn part_of(num_vertices: usize, parts: &[Range<usize>]) -> Vec<u32> {
+/// The part of each vertex, from 2 in even numbers, 0 for a vertex of none; a vertex of a body is in the odd part after
+/// that.
+pub(super) fn parts_of(num_vertices: usize, ranges: &[Range<usize>], body: &[u32]) -> Vec<u32> {
     let mut part = vec![0; num_vertices];
-    for (number, range) in (1..).zip(parts) {
-        part[range.start.min(num_vertices)..range.end.min(num_vertices)].fill(number);
+    for (number, range) in (1..).zip(ranges) {
+        part[range.start.min(num_vertices)..range.end.min(num_vertices)].fill(2 * number);
+    }
+    for &vertex in body {
+        part[vertex as usize] |= 1;
     }
     part
 }

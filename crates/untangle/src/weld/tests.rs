@@ -126,6 +126,7 @@ fn weld_takes_positions_and_data_there_and_back() {
         faces: faces.clone(),
         masses_kg: Some(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
         pins: vec![4, 0],
+        body: vec![0, 1, 2, 3, 4, 5],
         layers: Some(vec![0, 1, 2, 3, 4, 5]),
         rest_positions: Some(positions.to_vec()),
         uvs: Some(crate::mesh::Uvs { coordinates: vec![[0.0; 2]; 6], corners: faces }),
@@ -134,6 +135,7 @@ fn weld_takes_positions_and_data_there_and_back() {
     let welded = weld.describe(&description);
     assert_eq!((welded.num_vertices, welded.faces), (4, vec![[0, 1, 2], [1, 0, 3]]));
     assert_eq!((welded.masses_kg, welded.pins), (Some(vec![6.0, 6.0, 3.0, 6.0]), vec![0]));
+    assert_eq!(welded.body, [0, 1, 2, 3]);
     assert_eq!((welded.layers, welded.uvs), (Some(vec![0, 1, 2, 5]), description.uvs.clone()));
     assert_eq!(weld.copies(VertexId(1)), [1, 3]);
     let mut places = weld.gather(&positions);
@@ -162,4 +164,15 @@ fn weld_of_bad_input_says_what_is_wrong() {
     assert_eq!(error(&[A, B, C], f64::INFINITY), WeldError::Distance(f64::INFINITY));
     let faulty = describe(3, &[[0, 1, 7]]);
     assert!(matches!(Weld::find(&faulty, &[A, B, C], &[], 0.0), Err(WeldError::Mesh(_))));
+}
+
+#[test]
+fn weld_joins_no_vertex_of_a_body_with_one_of_a_cloth() {
+    let positions = [A, B, C, A, B, D];
+    let cloth = describe(6, &[[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(Weld::find(&cloth, &positions, &[], 0.0).unwrap().num_merged(), 2);
+    let with_body = MeshDescription { body: vec![3, 4, 5], ..cloth };
+    for distance_m in [0.0, 1e-6] {
+        assert_eq!(Weld::find(&with_body, &positions, &[], distance_m).unwrap().num_merged(), 0);
+    }
 }

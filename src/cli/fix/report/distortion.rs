@@ -28,14 +28,17 @@ impl Distortion {
     /// have no stretch and are left out; without any edge the stretch is 1.
     pub(in crate::cli) fn new(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Self {
         let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
-        let (mut largest, mut sum) = (0.0f64, 0.0);
-        for (&before, &after) in before.iter().zip(after) {
+        let (mut largest, mut sum, mut num_vertices) = (0.0f64, 0.0, 0);
+        // Bodies come last, and don't move.
+        let is_cloth = |&(vertex, _): &(u32, _)| !mesh.is_body(weld.of(vertex));
+        for (_, (&before, &after)) in (0..).zip(before.iter().zip(after)).take_while(is_cloth) {
+            num_vertices += 1;
             let displacement = distance(before, after);
             largest = largest.max(displacement);
             sum += displacement;
         }
         let (mut worst, mut ratios, mut count, mut num_overstretched_edges) = (1.0f64, 0.0, 0, 0);
-        for edge in mesh.edge_ids() {
+        for edge in mesh.edge_ids().filter(|&edge| !mesh.is_body(mesh.edge(edge)[0])) {
             let [a, b] = mesh.edge(edge).map(|vertex| weld.first(vertex) as usize);
             let length = distance(before[a], before[b]);
             if length <= 0.0 {
@@ -56,7 +59,7 @@ impl Distortion {
         };
         Self {
             max_displacement_m: largest,
-            mean_displacement_m: mean(sum, before.len(), 0.0),
+            mean_displacement_m: mean(sum, num_vertices, 0.0),
             max_edge_stretch: worst,
             num_overstretched_edges,
             mean_edge_stretch: mean(ratios, count, 1.0),

@@ -13,11 +13,14 @@ use untangle::{
     analysis::Analysis,
     paths::PairType,
     relax::{BlockedPath, Iteration, STRETCH_LIMIT},
+    sides::{Sides, clusters},
 };
 
 use crate::cli::{
     certificate::Certificate,
+    input::Input,
     owners::{OwnedVertex, Owners},
+    roles::{BodyCounts, BodyReport, say_bodies},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -35,6 +38,9 @@ pub struct Report {
     /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
     /// judge for all readers.
     pub clean: bool,
+    /// The bodies, if any were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Vec<BodyReport>>,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
     /// Coordinates below 2^-250 m, which count as zero.
@@ -66,23 +72,32 @@ pub struct Counts {
     pub num_face_pairs: usize,
     /// Number of path pairs by type.
     pub path_pairs: BTreeMap<PairType, usize>,
+    /// What cloth and bodies have with each other; nothing without bodies.
+    #[serde(flatten)]
+    pub bodies: Option<BodyCounts>,
     /// What readers of the files find, by the judge.
     pub certificate: Certificate,
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis, certificate: Certificate) -> Self {
+    pub(super) fn new(analysis: &Analysis, input: &Input, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
+            bodies: BodyCounts::of(input, &analysis.intersections),
             certificate,
         }
     }
 
-    /// Whether there is no intersection in the files as they are.
+    /// Whether there is no intersection in the files as they are, and no vertex inside of a body.
     pub(super) fn is_clean(&self) -> bool {
-        self.num_face_pairs == 0
+        self.num_face_pairs == 0 && self.num_inside() == 0
+    }
+
+    /// Vertices of the cloth inside of a body.
+    pub(super) fn num_inside(&self) -> usize {
+        self.bodies.map_or(0, |bodies| bodies.num_vertices_inside_body)
     }
 
     /// Whether no reader of the files finds an intersection.
@@ -94,8 +109,12 @@ impl Counts {
 /// A path that could not be resolved.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Blocked {
-    /// Its type.
-    pub pair_type: PairType,
+    /// Its type; nothing for vertices inside of a body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_type: Option<PairType>,
+    /// For vertices inside of a body, joined by edges, how many they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_inside_body: Option<usize>,
     /// A vertex next to it, counted from 0 over all files.
     pub vertex: u32,
     /// The file of that vertex.
@@ -104,7 +123,7 @@ pub struct Blocked {
     pub vertex_in_file: usize,
     /// The object or group that it stands in, if that has a name.
     pub part: Option<String>,
-    /// Its length in metres.
+    /// Its length in metres; of vertices inside of a body the largest depth.
     pub length_m: f64,
     /// Why, in words.
     pub reason: String,
@@ -113,11 +132,44 @@ pub struct Blocked {
 impl From<BlockedPath> for Blocked {
     fn from(path: BlockedPath) -> Self {
         let BlockedPath { pair_type, vertex, length_m, reason } = path;
-        Self { pair_type, vertex, file: String::new(), vertex_in_file: vertex as usize, part: None, length_m, reason }
+        Self {
+            pair_type: Some(pair_type),
+            num_vertices_inside_body: None,
+            vertex,
+            file: String::new(),
+            vertex_in_file: vertex as usize,
+            part: None,
+            length_m,
+            reason,
+        }
     }
 }
 
 impl Blocked {
+    /// What is inside of bodies in a state, cluster by cluster.
+    pub(super) fn inside_bodies(Input { weld, mesh, frame, .. }: &Input) -> Vec<Self> {
+        let Some(sides) = Sides::of(mesh, frame) else { return Vec::new() };
+        let blocked = clusters(mesh, &sides.wrong_vertices(mesh, frame)).into_iter().map(|cluster| {
+            let vertex = weld.first(cluster.vertex);
+            let reason = match cluster.num_pinned {
+                0 => "no motion brought it out of the body without crushing or overstretching the cloth",
+                count if count == cluster.num_vertices => "all its vertices are pinned, inside of a body",
+                _ => "a part of it is pinned inside of a body",
+            };
+            Self {
+                pair_type: None,
+                num_vertices_inside_body: Some(cluster.num_vertices),
+                vertex,
+                file: String::new(),
+                vertex_in_file: vertex as usize,
+                part: None,
+                length_m: cluster.depth_m,
+                reason: reason.to_owned(),
+            }
+        });
+        blocked.collect()
+    }
+
     /// Says to whom the vertices of paths belong.
     pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
         let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
@@ -162,6 +214,7 @@ impl Display for Report {
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
             self.after.num_edge_face_intersections,
         )?;
+        self.say_sides(f)?;
         self.say_readers(f)?;
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
@@ -173,6 +226,30 @@ impl Display for Report {
         if self.time_limit_reached {
             writeln!(f, "  the time limit was reached: this is the best state until then")?;
         }
+        self.say_distortion(f)?;
+        self.say_left(f)
+    }
+}
+
+impl Report {
+    /// What is left with bodies, where there are any.
+    fn say_sides(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let (Some(before), Some(after)) = (self.before.bodies, self.after.bodies) {
+            say_bodies(f, self.bodies.as_deref())?;
+            writeln!(
+                f,
+                "  with bodies: {} became {}, {} inside became {}",
+                Counted(before.num_body_face_pairs, "intersecting face pair"),
+                after.num_body_face_pairs,
+                Counted(before.num_vertices_inside_body, "vertex"),
+                after.num_vertices_inside_body,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// How far the cloth moved, and how it was stretched.
+    fn say_distortion(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Distortion {
             max_displacement_m,
             mean_displacement_m,
@@ -190,11 +267,9 @@ impl Display for Report {
                 Counted(num_overstretched_edges, "edge"),
             )?;
         }
-        self.say_left(f)
+        Ok(())
     }
-}
 
-impl Report {
     /// What other readers find, where that differs.
     fn say_readers(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if self.before.is_clean() && !self.before.certificate.is_clean() {
@@ -212,10 +287,15 @@ impl Report {
     fn say_left(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let mut longest: Vec<&Blocked> = self.blocked.iter().collect();
         longest.sort_by(|a, b| b.length_m.total_cmp(&a.length_m));
-        for Blocked { pair_type, file, vertex_in_file, part, length_m, reason, .. } in longest.iter().take(MOST_LEFT) {
+        for blocked in longest.iter().take(MOST_LEFT) {
+            let Blocked { pair_type, num_vertices_inside_body, file, vertex_in_file, part, length_m, reason, .. } =
+                blocked;
             let part = part.as_ref().map_or_else(String::new, |part| format!(", {part}"));
-            let name = name_of(pair_type);
-            writeln!(f, "  left: {name} of {length_m:.5} m at vertex {vertex_in_file} of {file}{part}: {reason}")?;
+            let what = match num_vertices_inside_body {
+                Some(count) => format!("{} inside of a body, up to {length_m:.5} m deep,", Counted(*count, "vertex")),
+                None => format!("{} of {length_m:.5} m", pair_type.map(name_of).unwrap_or_default()),
+            };
+            writeln!(f, "  left: {what} at vertex {vertex_in_file} of {file}{part}: {reason}")?;
         }
         if self.blocked.len() > MOST_LEFT {
             let more = Counted(self.blocked.len() - MOST_LEFT, "shorter path");

@@ -1,4 +1,6 @@
 //! Which faces of two leaves share a vertex: taken from the topology once for each mesh.
+//!
+//! Faces of bodies are left out: no pair of them is searched for.
 
 use super::aabb::WIDTH;
 use crate::mesh::{FaceId, Mesh};
@@ -27,6 +29,10 @@ impl LeafAdjacency {
         for (leaf, faces) in (0..).zip(order.chunks(WIDTH)) {
             let first = adjacency.masks.len();
             for (slot, &face) in faces.iter().enumerate() {
+                if mesh.is_body_face(face) {
+                    adjacency.is_incomplete = true;
+                    continue;
+                }
                 for vertex in mesh.face(face) {
                     let around = mesh.vertex_faces(vertex);
                     if around.len() > MAX_ADJACENT_FACES {
@@ -62,7 +68,8 @@ impl LeafAdjacency {
         row.iter().find(|&&(leaf, _)| leaf == b).map_or(0, |&(_, mask)| mask)
     }
 
-    /// Whether pairs around vertices of more than [`MAX_ADJACENT_FACES`] faces are missing from the masks.
+    /// Whether pairs around vertices of more than [`MAX_ADJACENT_FACES`] faces, or pairs of faces of bodies, are
+    /// missing from the masks.
     pub(crate) fn is_incomplete(&self) -> bool {
         self.is_incomplete
     }

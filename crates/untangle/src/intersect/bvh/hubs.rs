@@ -2,7 +2,8 @@
 //!
 //! The boxes of all faces round a hub overlap in it. A traversal that looked at each pair would take the square of
 //! their number, only to find that the two share a vertex. So they stand side by side in the order of the tree, and a
-//! node knows the hub that all its faces share.
+//! node knows the hub that all its faces share. Faces of bodies stand side by side for the same reason: pairs of nodes
+//! that hold nothing else are passed over.
 
 use std::ops::Range;
 
@@ -11,6 +12,8 @@ use crate::mesh::{FaceId, Mesh, VertexId};
 
 /// The hub of a node whose faces share none.
 const NONE: u32 = u32::MAX;
+/// What stands in the place of a hub for faces of bodies: no pair of them is searched for either.
+const BODY: u32 = u32::MAX - 1;
 
 /// For each node the hub that all its faces share.
 #[derive(Debug, Default)]
@@ -19,13 +22,17 @@ pub(super) struct Hubs {
     levels: Vec<Vec<u32>>,
 }
 
-/// The first corner of a face that is a hub.
+/// The first corner of a face that is a hub; [`BODY`] for all faces of bodies.
 fn hub_of(mesh: &Mesh, face: FaceId) -> u32 {
+    if mesh.is_body_face(face) {
+        return BODY;
+    }
     let is_hub = |vertex: &VertexId| mesh.vertex_faces(*vertex).len() > MAX_ADJACENT_FACES;
     mesh.face(face).into_iter().filter(is_hub).min().map_or(NONE, |hub| hub.0)
 }
 
-/// Puts faces of one hub side by side, those of none at the end; the ranges of those that belong together.
+/// Puts faces of one hub side by side, then those of bodies, those of none at the end; the ranges of those that
+/// belong together.
 pub(super) fn group_by_hub(mesh: &Mesh, faces: &mut [FaceId]) -> Vec<Range<usize>> {
     if faces.iter().any(|&face| hub_of(mesh, face) != NONE) {
         faces.sort_by_cached_key(|&face| (hub_of(mesh, face), face));
@@ -53,7 +60,7 @@ impl Hubs {
         Self { levels }
     }
 
-    /// Whether all faces of two nodes of a level share one hub.
+    /// Whether all faces of two nodes of a level share one hub, or are faces of bodies.
     #[inline(always)]
     pub(super) fn is_common(&self, level: usize, a: u32, b: u32) -> bool {
         let hubs = &self.levels[level];

@@ -84,7 +84,8 @@ impl Bvh {
         Some(NodePair { level, nodes: [0, 0] })
     }
 
-    /// Whether all faces of two nodes of a level share one vertex, so that no pair of theirs is searched for.
+    /// Whether all faces of two nodes of a level share one vertex, or are faces of bodies, so that no pair of theirs is
+    /// searched for.
     #[inline(always)]
     pub(super) fn have_common_hub(&self, level: usize, a: u32, b: u32) -> bool {
         self.adjacency.is_incomplete() && self.hubs.is_common(level, a, b)
@@ -154,9 +155,9 @@ impl Bvh {
         self.corners[place as usize]
     }
 
-    /// Whether the traversal may report pairs that share a vertex, one of more than
-    /// [`MAX_ADJACENT_FACES`](super::MAX_ADJACENT_FACES) faces.
-    pub(crate) fn may_report_adjacent(&self) -> bool {
+    /// Whether the traversal may report pairs that are left out: those that share a vertex, one of more than
+    /// [`MAX_ADJACENT_FACES`](super::MAX_ADJACENT_FACES) faces, and those of two faces of bodies.
+    pub(crate) fn may_report_left_out(&self) -> bool {
         self.adjacency.is_incomplete()
     }
 }

@@ -54,14 +54,14 @@ pub(crate) struct OneRing<'a> {
 }
 
 impl OneRings {
-    /// One-rings of the corners of `faces`, in the order in which these first have them.
+    /// One-rings of the corners of `faces`, in the order in which these first have them, but for those of bodies.
     ///
     /// Cost: O(n log n) in the faces.
     pub(crate) fn new(mesh: &Mesh, faces: &[FaceId]) -> Self {
         let mut rings = Self { offsets: vec![0], ..Self::default() };
         let mut is_listed = vec![false; mesh.num_vertices()];
         let mut rest = Vec::new();
-        for &face in faces {
+        for &face in faces.iter().filter(|&&face| !mesh.is_body_face(face)) {
             for centre in mesh.face(face) {
                 if !std::mem::replace(&mut is_listed[centre.index()], true) {
                     rings.push(mesh, centre, &mut rest);

@@ -4,7 +4,7 @@ use super::share::{Search, Share};
 use crate::{
     intersect::{
         bvh::{NodePair, WIDTH},
-        exact::share_a_vertex,
+        exact::is_left_out,
         filter::{TrianglesX4, separated_mask_x4, separated_mask_x8},
     },
     simd::{F64_LANES, InstructionSet, Task},
@@ -61,8 +61,8 @@ impl Search<'_, SubtreePairs<'_>> {
             }
             num_visits += self.bvh.overlapping_faces(simd, stack, [BATCH, BATCH - num_visits], candidates);
         }
-        if self.bvh.may_report_adjacent() {
-            candidates.retain(|places| !share_a_vertex(self.mesh, places.map(|place| self.bvh.face(place))));
+        if self.bvh.may_report_left_out() {
+            candidates.retain(|places| !is_left_out(self.mesh, places.map(|place| self.bvh.face(place))));
         }
         self.share.spend(2 * num_visits);
     }

@@ -9,7 +9,7 @@ use crate::{
     frame::Frame,
     geometry::mean_edge_length,
     mesh::Mesh,
-    paths::{PathPoint, PathType, SurfacePoint},
+    paths::{PathCopy, PathPoint, PathType, SurfacePoint},
     respond::contour,
 };
 
@@ -41,6 +41,28 @@ pub(crate) struct ConstraintSource<'a> {
 
 /// Replaces `constraints` by those of all paths, but for paths that were left out when their targets were looked for.
 pub(crate) fn collect(constraints: &mut Constraints, source: &ConstraintSource<'_>, objective: Objective) {
+    collect_some(constraints, source, objective, |_| true);
+}
+
+/// As [`collect`], for paths of cloth with cloth: out of a body leads its distance field.
+pub(crate) fn collect_beside_bodies(
+    constraints: &mut Constraints,
+    source: &ConstraintSource<'_>,
+    objective: Objective,
+) {
+    let ConstraintSource { mesh, analysis: Analysis { paths, .. }, .. } = source;
+    collect_some(constraints, source, objective, |path| {
+        let segments = &paths.segments[path.segments.clone()];
+        !segments.iter().any(|segment| mesh.is_body_face(segment.own) || mesh.is_body_face(segment.partner))
+    });
+}
+
+fn collect_some(
+    constraints: &mut Constraints,
+    source: &ConstraintSource<'_>,
+    objective: Objective,
+    is_asked: impl Fn(&PathCopy) -> bool,
+) {
     constraints.clear();
     let copies = &source.analysis.paths.copies;
     let mut is_left_out = vec![false; copies.len()];
@@ -48,7 +70,7 @@ pub(crate) fn collect(constraints: &mut Constraints, source: &ConstraintSource<'
         is_left_out[copy] = true;
     }
     for (copy, path) in copies.iter().enumerate() {
-        if is_left_out[copy] {
+        if is_left_out[copy] || !is_asked(path) {
             continue;
         }
         let has_targets = |copy: usize| source.found.paths.binary_search_by_key(&copy, |path| path.copy);

@@ -14,7 +14,7 @@ mod orientation;
 mod rows;
 mod strain_limits;
 
-pub(crate) use from_paths::{ConstraintSource, Objective, collect};
+pub(crate) use from_paths::{ConstraintSource, Objective, collect, collect_beside_bodies};
 pub(crate) use local::{LocalConstraints, row_value};
 pub(crate) use orientation::Orientation;
 pub(crate) use rows::Constraints;

@@ -87,6 +87,13 @@ impl Constraints {
         self.finish_row(wanted_m, true);
     }
 
+    /// A point moves along `direction` by `wanted_m`. No later iteration holds it.
+    pub(crate) fn push(&mut self, own: &MaterialPoint, direction: Vector3<f64>, wanted_m: f64) {
+        let weighted = own.vertices.iter().zip(own.weights).filter(|(_, weight)| *weight != 0.0);
+        self.terms.extend(weighted.map(|(&vertex, weight)| (vertex, direction * weight)));
+        self.finish_row(wanted_m, false);
+    }
+
     /// Adds a row that is no distance between two points.
     pub(super) fn add(&mut self, terms: impl Iterator<Item = (VertexId, Vector3<f64>)>, wanted_m: f64) {
         self.terms.extend(terms);

@@ -14,6 +14,7 @@ use crate::{
         constraints::{Constraints, StrainLimits},
         energy::ArapEnergy,
         settings::ShouldStop,
+        sides::SideTracker,
         step::{DisplacementSolver, Islands, SolverBudget, Start, Tangle, island_strains, measure},
     },
 };
@@ -32,6 +33,7 @@ const MAX_HALVINGS: usize = 2;
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     pub(super) energy: ArapEnergy<'a>,
+    pub(super) sides: Option<&'a SideTracker>,
     pub(super) islands: &'a Islands,
     pub(super) limits: &'a StrainLimits,
     /// The motions of the present state, each with its island.
@@ -100,7 +102,7 @@ impl Candidate {
             return false;
         }
         self.intersector.intersect(mesh, &self.frame, &mut self.found);
-        measure(mesh, &self.frame, &self.found, context.islands, &mut self.tangles);
+        measure(mesh, &self.frame, &self.found, context.sides, context.islands, &mut self.tangles);
         let (islands, limits) = (context.islands, context.limits);
         island_strains(mesh, domain, islands, limits, &self.step.positions, &mut self.strains);
         self.step.scores.clear();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{
     candidate::{Candidate, Context},
     limits::LimitedStep,
-    motion::{Motion, MotionFinder, Scene, contours},
+    motion::{ContourSegment, Motion, MotionFinder, Scene, contours},
     rows::Rows,
     score::{Score, add_moved},
 };
@@ -23,6 +23,7 @@ use crate::{
         outcome::{BestState, End, Method, RelaxError},
         relaxer::{Progress, Relaxer},
         settings::Effort,
+        sides::{SideRows, SideTracker},
         step::{island_strains, measure, num_movable, remove_pinned_chains},
     },
 };
@@ -71,7 +72,7 @@ pub(in crate::relax) fn descend(
         if iteration > 0 && descent.report(relaxer, progress).is_break() {
             return Ok(End::Interrupted);
         }
-        if num_movable(relaxer.mesh, &descent.analysis.intersections) == 0 {
+        if descent.num_wrong == 0 && num_movable(relaxer.mesh, &descent.analysis.intersections) == 0 {
             return Ok(End::Clean);
         }
         if relaxer.is_exhausted() {
@@ -106,6 +107,9 @@ struct Descent {
     /// Each with its island.
     motions: Vec<(Motion, usize)>,
     now: Vec<Score>,
+    /// Free vertices inside of bodies.
+    num_wrong: usize,
+    sides: SideRows,
     /// For all kinds of rows.
     constraints: [Constraints; 3],
     candidates: Vec<Candidate>,
@@ -119,20 +123,32 @@ impl Descent {
     /// Finds the contours of the present state, their motions and islands, and how good it is.
     fn look(&mut self, relaxer: &mut Relaxer<'_>) {
         let Analysis { intersections, paths, regions } = &mut self.analysis;
-        let Relaxer { mesh, frame, islands, domain, .. } = relaxer;
+        let Relaxer { mesh, frame, islands, domain, sides, .. } = relaxer;
         self.intersector.intersect(mesh, frame, intersections);
         remove_pinned_chains(mesh, intersections);
         self.path_finder.find(mesh, frame, intersections, paths);
         regions.by_copy.clear();
         regions.by_copy.resize(paths.copies.len(), None);
         let faces = intersections.segments.iter().flat_map(|segment| segment.faces);
-        self.edge_length_m = mean_edge_length(mesh, frame, faces).unwrap_or(1.0);
+        let mean_edge_m = mean_edge_length(mesh, frame, faces);
+        self.edge_length_m = mean_edge_m.or(sides.as_ref().map(SideTracker::mean_edge_m)).unwrap_or(1.0);
+        let mut wrong = Vec::new();
+        if let Some(sides) = sides {
+            sides.look(frame);
+            wrong = sides.wrong_vertices(frame.positions());
+            self.sides.find(sides, mesh, frame, intersections);
+        }
+        self.num_wrong = wrong.len();
         let scene = Scene { mesh, frame, orientation: &relaxer.orientation, found: intersections };
         let motions = find_motions(&scene, paths, self.stalled.saturating_sub(STALLED - 1));
-        let depth = motions.iter().map(|motion| motion.depth_m / motion.edge_length_m).fold(0.0, f64::max);
+        let depth = motions.iter().map(|motion| motion.depth_m / motion.edge_length_m);
+        let depth = depth.fold(self.sides.depth_edges(), f64::max);
         let rings = DOMAIN_RINGS + whole((RINGS_FOR_DEPTH * depth).min(MAX_DOMAIN_RINGS));
-        islands.find(mesh, &self.analysis, 2 * rings);
-        domain.grow(mesh, motions.iter().flat_map(Motion::vertices), rings);
+        islands.find(mesh, &self.analysis, &wrong, 2 * rings);
+        domain.grow(mesh, motions.iter().flat_map(Motion::vertices).chain(self.sides.vertices()), rings);
+        if let Some(sides) = sides {
+            self.sides.find_near(sides, frame, domain);
+        }
         self.motions.clear();
         for motion in motions {
             let island = islands.of(mesh.face(motion.first)[0]);
@@ -145,7 +161,7 @@ impl Descent {
     fn judge(&mut self, relaxer: &Relaxer<'_>) {
         let Relaxer { mesh, frame, islands, domain, rest, limits, .. } = relaxer;
         let (mut tangles, mut strains) = (Vec::new(), Vec::new());
-        measure(mesh, frame, &self.analysis.intersections, islands, &mut tangles);
+        measure(mesh, frame, &self.analysis.intersections, relaxer.sides.as_ref(), islands, &mut tangles);
         island_strains(mesh, domain, islands, limits, frame.positions(), &mut strains);
         let scores = tangles.iter().zip(&strains);
         self.now = scores.map(|(&tangle, &strain)| Score { tangle, strain, ..Score::default() }).collect();
@@ -159,13 +175,14 @@ impl Descent {
     /// Runs the candidates and takes the best for each island.
     fn step(&mut self, relaxer: &Relaxer<'_>, rest_weight: f64) -> Vec<Point3<f64>> {
         for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
-            rows.collect(relaxer, &self.analysis, &self.motions, constraints);
+            rows.collect(relaxer, &self.analysis, &self.motions, &self.sides, constraints);
         }
         let recipes = self.recipes(relaxer.settings.effort);
         self.candidates.resize_with(recipes.len(), Candidate::default);
         let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
         let context = Context {
             energy: ArapEnergy { mesh, frame, rest, domain, rest_weight, membrane: 0.0, anchor: 0.0 },
+            sides: relaxer.sides.as_ref(),
             islands,
             limits,
             motions: &self.motions,
@@ -224,9 +241,14 @@ impl Descent {
     }
 }
 
-/// The motions of all contours, in their order.
+/// The motions of all contours of cloth with cloth, in their order. Out of a body leads its distance field.
 fn find_motions(scene: &Scene<'_>, paths: &IntersectionPaths, variant: usize) -> Vec<Motion> {
-    let motions: Vec<Vec<Motion>> = contours(scene.mesh, scene.frame, paths)
+    let mut contours = contours(scene.mesh, scene.frame, paths);
+    if scene.mesh.has_body() {
+        let is_body = |segment: &ContourSegment| segment.faces.iter().any(|&face| scene.mesh.is_body_face(face));
+        contours.retain(|contour| !contour.segments.iter().any(is_body));
+    }
+    let motions: Vec<Vec<Motion>> = contours
         .par_iter()
         .map_init(
             || MotionFinder::of_variant(variant),

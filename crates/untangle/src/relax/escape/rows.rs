@@ -5,13 +5,16 @@ use crate::{
     analysis::Analysis,
     correspond::Correspondences,
     relax::{
-        constraints::{ConstraintSource, Constraints, Objective, collect},
+        constraints::{ConstraintSource, Constraints, Objective, collect_beside_bodies},
         relaxer::Relaxer,
+        sides::SideRows,
     },
 };
 
 /// Gap that is to be left between the sheets, in mean edge lengths of the faces along the contour.
 const GAP: f64 = 0.4;
+/// Gap that is to be left between cloth and bodies, in edge lengths of the cloth.
+const SIDE_GAP: f64 = 0.2;
 /// Depths up to this many mean edge lengths are left in one step, and of larger ones a part.
 const SHORT: f64 = 2.0;
 const PART: f64 = 0.5;
@@ -31,12 +34,13 @@ impl Rows {
     /// All of them, in the order of their constraints.
     pub(super) const ALL: [Self; 3] = [Self::Wide, Self::Narrow, Self::Shorten];
 
-    /// Replaces constraints by those for some motions.
+    /// Replaces constraints by those for some motions, and adds those of bodies.
     pub(super) fn collect(
         self,
         relaxer: &Relaxer<'_>,
         analysis: &Analysis,
         motions: &[(Motion, usize)],
+        sides: &SideRows,
         constraints: &mut Constraints,
     ) {
         let gap = match self {
@@ -45,11 +49,9 @@ impl Rows {
             Self::Shorten => {
                 let Relaxer { mesh, frame, orientation, .. } = relaxer;
                 let found = &Correspondences::default();
-                collect(
-                    constraints,
-                    &ConstraintSource { mesh, frame, analysis, found, orientation },
-                    Objective::Shorten,
-                );
+                let source = ConstraintSource { mesh, frame, analysis, found, orientation };
+                collect_beside_bodies(constraints, &source, Objective::Shorten);
+                sides.add(0.25 * SIDE_GAP, constraints);
                 return;
             }
         };
@@ -61,5 +63,6 @@ impl Rows {
                 constraints.separate(&separation.own, &separation.partner, motion.direction, wanted_m);
             }
         }
+        sides.add(gap / GAP * SIDE_GAP, constraints);
     }
 }

@@ -9,9 +9,9 @@ use super::{
 };
 use crate::{
     frame::Frame,
-    intersect::{Intersections, Intersector},
-    mesh::{Mesh, VertexId},
-    relax::{energy::Domain, settings::ShouldStop},
+    intersect::{EdgeFaceIntersection, Intersections, Intersector},
+    mesh::{EdgeId, FaceId, Mesh, VertexId},
+    relax::{energy::Domain, settings::ShouldStop, sides::SideTracker},
 };
 
 /// Backtracking of vertices whose faces or edges would intersect something.
@@ -51,15 +51,20 @@ impl<'a> CollisionFreeStep<'a> {
         }
     }
 
-    /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing, and less far
-    /// elsewhere. False if no step without intersections is left, or the work is to stop. Cost: one search for
-    /// intersections for each round of backtracking.
+    /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing and takes no
+    /// vertex into a body, and less far elsewhere. False if no step without intersections is left, or the work is to
+    /// stop. Cost: one search for intersections for each round of backtracking.
     pub(crate) fn advance(
         &mut self,
         positions: &mut [Point3<f64>],
         target: &[Point3<f64>],
         single_precision: bool,
+        sides: Option<&SideTracker>,
     ) -> bool {
+        let inside = |positions: &[Point3<f64>]| sides.map(|sides| sides.wrong_vertices(positions)).unwrap_or_default();
+        let before = inside(positions);
+        // What hangs on pins inside of a body stays, and holds up nothing else.
+        let mut left = Vec::new();
         self.damping.reset(self.domain.vertices().len());
         for round in 0..=BACKTRACKING.num_rounds() {
             if (self.should_stop)() {
@@ -76,7 +81,13 @@ impl<'a> CollisionFreeStep<'a> {
                 return false;
             }
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
-            if self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
+            let entered = inside(&self.step).into_iter().filter(|vertex| before.binary_search(vertex).is_err());
+            let entered: Vec<VertexId> = entered.collect();
+            if sides.is_some() && round == 0 && !self.found.edge_face.is_empty() {
+                left = self.intersections_of(positions);
+            }
+            self.found.edge_face.retain(|found| is_new(&left, found));
+            if entered.is_empty() && self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
                 return true;
@@ -85,10 +96,22 @@ impl<'a> CollisionFreeStep<'a> {
                 let ([a, b], [c, d, e]): ([VertexId; 2], _) = (self.mesh.edge(found.edge), self.mesh.face(found.face));
                 [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
             });
-            self.damping.damp(self.mesh, self.domain, blocked, BACKTRACKING.factor(round));
+            let entered = entered.iter().filter_map(|&vertex| self.domain.local(vertex));
+            self.damping.damp(self.mesh, self.domain, blocked.chain(entered), BACKTRACKING.factor(round));
         }
         self.update_holds();
         false
+    }
+
+    /// All pairs of an edge and a face that intersect in a state, in order.
+    fn intersections_of(&self, positions: &[Point3<f64>]) -> Vec<(EdgeId, FaceId)> {
+        let Ok(frame) = Frame::new(self.mesh, &positions.iter().map(|point| (*point).into()).collect::<Vec<_>>())
+        else {
+            return Vec::new();
+        };
+        let mut found = Intersections::default();
+        Intersector::default().intersect(self.mesh, &frame, &mut found);
+        found.edge_face.iter().map(|found| (found.edge, found.face)).collect()
     }
 
     /// For each vertex of the domain how much it is held where it is, in units of the weights of its triangles.
@@ -107,4 +130,9 @@ impl<'a> CollisionFreeStep<'a> {
             }
         }
     }
+}
+
+/// Whether an intersection is none of those in a list.
+fn is_new(left: &[(EdgeId, FaceId)], found: &EdgeFaceIntersection) -> bool {
+    left.binary_search(&(found.edge, found.face)).is_err()
 }

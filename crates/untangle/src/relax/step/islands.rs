@@ -12,21 +12,29 @@ const ISLAND_RINGS: usize = 2;
 /// Islands of paths, and for the vertices round them the island that is nearest.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Islands {
-    /// The island of a vertex. While islands are looked for: a copy of a path of that island.
+    /// The island of a vertex. While islands are looked for: a copy of a path of that island, or after all copies a
+    /// vertex inside of a body.
     labels: SparseMap<VertexId, u32>,
     num_islands: usize,
-    /// Disjoint sets of copies: the parent of each, or itself.
+    /// Disjoint sets of copies and vertices inside of bodies: the parent of each, or itself.
     parents: Vec<usize>,
 }
 
 impl Islands {
     /// Joins the paths of a frame into islands: paths are coupled if the vertices round them, or those inside of them,
-    /// meet. Then extends the labels over the `reach`-ring round them.
+    /// meet. `wrong` are vertices inside of bodies, which are coupled in the same way, with or without a path. Then
+    /// extends the labels over the `reach`-ring round them.
     ///
     /// Cost: linear in the vertices that are reached.
-    pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, reach: usize) {
+    pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, wrong: &[VertexId], reach: usize) {
         self.labels.reset(mesh.num_vertices());
+        let num_copies = analysis.paths.copies.len();
+        self.parents.clear();
+        self.parents.extend(0..num_copies + wrong.len());
         self.label_paths(mesh, analysis);
+        for (index, &vertex) in wrong.iter().enumerate() {
+            self.claim(vertex, num_copies + index);
+        }
         let mut first = 0;
         for ring in 0..ISLAND_RINGS + reach {
             let last = self.labels.keys().len();
@@ -38,22 +46,23 @@ impl Islands {
             }
             first = last;
         }
-        self.number_islands(analysis.paths.copies.len());
+        self.number_islands(num_copies + wrong.len());
     }
 
     /// Labels the corners of all faces along a path, and the vertices inside of it, with its copy.
     fn label_paths(&mut self, mesh: &Mesh, analysis: &Analysis) {
         let copies = &analysis.paths.copies;
-        self.parents.clear();
-        self.parents.extend(0..copies.len());
         for (copy, path) in copies.iter().enumerate() {
             self.join(copy, path.partner);
             for segment in &analysis.paths.segments[path.segments.clone()] {
-                for vertex in mesh.face(segment.own).into_iter().chain(mesh.face(segment.partner)) {
-                    self.claim(vertex, copy);
+                // What meets one body is not coupled by it: the body does not move.
+                for face in [segment.own, segment.partner].into_iter().filter(|&face| !mesh.is_body_face(face)) {
+                    for vertex in mesh.face(face) {
+                        self.claim(vertex, copy);
+                    }
                 }
             }
-            for &vertex in analysis.regions.vertices_of(copy) {
+            for &vertex in analysis.regions.vertices_of(copy).iter().filter(|&&vertex| !mesh.is_body(vertex)) {
                 self.claim(vertex, copy);
             }
         }
@@ -96,7 +105,9 @@ impl Islands {
     fn claim(&mut self, vertex: VertexId, copy: usize) {
         match self.labels.get(vertex) {
             Some(label) => self.join(label as usize, copy),
-            None => self.labels.set(vertex, u32::try_from(copy).expect("fewer paths than faces")),
+            None => {
+                self.labels.set(vertex, u32::try_from(copy).expect("fewer paths than faces, and fewer than vertices"))
+            }
         }
     }
 

@@ -27,7 +27,7 @@ pub(crate) use collision_free::CollisionFreeStep;
 pub(crate) use damping::{Backtracking, Damping};
 pub(crate) use displacement::{DisplacementSolver, SolverBudget, Start};
 pub(crate) use islands::Islands;
-pub(crate) use pinned::{are_faces_pinned, num_movable, remove_pinned_chains};
+pub(crate) use pinned::{are_faces_pinned, is_movable, num_movable, remove_pinned_chains};
 pub(crate) use precision::stored;
 pub(crate) use tangle::{Tangle, measure, total};
 pub(crate) use trial::{Trial, TrialContext, TrialSettings, island_strains};

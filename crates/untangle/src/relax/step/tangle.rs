@@ -11,7 +11,11 @@ use crate::{
     geometry::perimeter,
     intersect::{Intersections, SegmentEnd},
     mesh::{FaceId, Mesh},
+    relax::sides::SideTracker,
 };
+
+/// What the depth of a vertex inside of a body, in edges, counts for beside an edge-face intersection.
+const DEPTH_WEIGHT: f64 = 0.25;
 
 /// How tangled something is: less is better.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,40 +24,63 @@ pub(crate) struct Tangle {
     /// Length of the intersections, in edges of the faces that intersect.
     pub(crate) length_edges: f64,
     pub(crate) length_m: f64,
+    /// Free vertices inside of a body.
+    pub(crate) num_wrong: usize,
+    /// The sum of their depths, in edges.
+    pub(crate) depth_edges: f64,
 }
 
 impl Tangle {
-    /// Whether nothing intersects.
+    /// Whether nothing intersects, and no vertex is inside of a body.
     pub(crate) fn is_none(&self) -> bool {
-        self.num_edge_face == 0
+        self.num_edge_face == 0 && self.num_wrong == 0
     }
 
     /// The merit function of the line search: less is better.
     pub(crate) fn merit(&self) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "a count")]
-        let count = self.num_edge_face as f64;
-        count + 2.0 * self.length_edges
+        #[expect(clippy::cast_precision_loss, reason = "counts")]
+        let [count, wrong] = [self.num_edge_face, self.num_wrong].map(|count| count as f64);
+        count + 2.0 * self.length_edges + wrong + DEPTH_WEIGHT * self.depth_edges
     }
 }
 
-/// Measures all intersections that a motion can change, island by island; the last entry is for those near no island.
-pub(crate) fn measure(mesh: &Mesh, frame: &Frame, found: &Intersections, islands: &Islands, tangles: &mut Vec<Tangle>) {
+/// Measures all intersections that a motion can change, and what is inside of bodies, island by island; the last entry
+/// is for those near no island.
+pub(crate) fn measure(
+    mesh: &Mesh,
+    frame: &Frame,
+    found: &Intersections,
+    sides: Option<&SideTracker>,
+    islands: &Islands,
+    tangles: &mut Vec<Tangle>,
+) {
     tangles.clear();
     tangles.resize(islands.len() + 1, Tangle::default());
     let island_of =
         |face: FaceId| mesh.face(face).into_iter().find_map(|vertex| islands.near(vertex)).unwrap_or(islands.len());
     for crossing in found.edge_face.iter().filter(|crossing| is_movable(mesh, crossing)) {
-        tangles[island_of(crossing.face)].num_edge_face += 1;
+        let island = if mesh.is_body_face(crossing.face) {
+            mesh.edge(crossing.edge).into_iter().find_map(|end| islands.near(end)).unwrap_or(islands.len())
+        } else {
+            island_of(crossing.face)
+        };
+        tangles[island].num_edge_face += 1;
     }
     for segment in found.segments.iter().filter(|segment| !are_faces_pinned(mesh, segment.faces)) {
         let [a, b] = segment.ends.map(|end| position(frame, found, end));
         let length = (b - a).norm();
         let edges = segment.faces.map(|face| perimeter(mesh.face(face).map(|vertex| frame.position(vertex))) / 3.0);
-        let tangle = &mut tangles[island_of(segment.faces[0])];
+        let [first, second] = segment.faces;
+        let tangle = &mut tangles[island_of(if mesh.is_body_face(first) { second } else { first })];
         tangle.length_m += length;
         if edges[0] + edges[1] > 0.0 {
             tangle.length_edges += 2.0 * length / (edges[0] + edges[1]);
         }
+    }
+    for (vertex, way, edge_m) in sides.map(|sides| sides.wrong(frame.positions())).into_iter().flatten() {
+        let tangle = &mut tangles[islands.of(vertex)];
+        tangle.num_wrong += 1;
+        tangle.depth_edges += if edge_m > 0.0 { way.depth_m / edge_m } else { 0.0 };
     }
 }
 
@@ -64,6 +91,8 @@ pub(crate) fn total(tangles: &[Tangle]) -> Tangle {
         sum.num_edge_face += tangle.num_edge_face;
         sum.length_edges += tangle.length_edges;
         sum.length_m += tangle.length_m;
+        sum.num_wrong += tangle.num_wrong;
+        sum.depth_edges += tangle.depth_edges;
     }
     sum
 }

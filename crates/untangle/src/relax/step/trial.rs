@@ -19,6 +19,7 @@ use crate::{
         constraints::{Constraints, Objective, StrainLimits},
         energy::{ArapEnergy, Domain},
         settings::ShouldStop,
+        sides::SideTracker,
     },
     sparse_map::SparseMap,
 };
@@ -50,6 +51,7 @@ pub(crate) struct TrialContext<'a> {
     pub(crate) energy: ArapEnergy<'a>,
     /// The intersections of the present state.
     pub(crate) present: &'a Intersections,
+    pub(crate) sides: Option<&'a SideTracker>,
     pub(crate) islands: &'a Islands,
     pub(crate) limits: &'a StrainLimits,
     /// Vertices where the sheets are to pass through each other: what meets there is no contact.
@@ -171,7 +173,7 @@ impl Trial {
             return false;
         }
         self.intersector.intersect(mesh, &self.frame, &mut self.found);
-        measure(mesh, &self.frame, &self.found, islands, &mut self.step.tangles);
+        measure(mesh, &self.frame, &self.found, context.sides, islands, &mut self.step.tangles);
         island_strains(mesh, domain, islands, limits, &self.step.positions, &mut self.step.strains);
         true
     }

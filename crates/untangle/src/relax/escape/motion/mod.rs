@@ -20,6 +20,6 @@ mod sheets;
 mod tests;
 mod triangle;
 
-pub(crate) use contour::contours;
+pub(crate) use contour::{ContourSegment, contours};
 pub(crate) use finder::{Motion, MotionFinder, Scene, remaining_depth_m};
 pub(crate) use shadow::Shadow;

@@ -98,7 +98,7 @@ mod tests {
         let frame = Frame::new(&mesh, &positions).unwrap();
         let analysis = analyse(&mesh, &frame);
         let (mut islands, mut domain) = (Islands::default(), Domain::default());
-        islands.find(&mesh, &analysis, usize::MAX / 2);
+        islands.find(&mesh, &analysis, &[], usize::MAX / 2);
         assert_eq!(islands.len(), 3);
         domain.grow(&mesh, mesh.vertex_ids(), 0);
         let limits = StrainLimits::of(&mesh, &frame);

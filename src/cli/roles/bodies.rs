@@ -1,0 +1,80 @@
+//! `--body`: reading bodies, and putting cloth and bodies into one world.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use untangle::intersect::{Intersections, Intersector};
+use untangled_mesh_io::{MeshFile, World, concatenate};
+
+use crate::cli::{
+    input::{self, Input, InputError, names},
+    weld::WeldArg,
+};
+
+/// Files that are not cloth.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct RoleArgs {
+    /// A body: the cloth belongs outside of it; it stays where it is, is not written, and what it intersects of itself
+    /// does not count. Its closed pieces have an inside, however their faces point. May be given several times
+    #[arg(long = "body", value_name = "FILE")]
+    pub bodies: Vec<PathBuf>,
+}
+
+/// A body and what it intersects of itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct BodyReport {
+    /// The file as it was named; bytes that are not UTF-8 are replaced.
+    pub file: String,
+    /// Pairs of its own triangles that intersect, and count nowhere else.
+    pub num_own_face_pairs: usize,
+}
+
+/// Bodies as they were read.
+#[derive(Clone, Debug, Default)]
+pub(in crate::cli) struct Bodies {
+    pub(in crate::cli) files: Vec<MeshFile>,
+    reports: Vec<BodyReport>,
+}
+
+impl Bodies {
+    /// Reads bodies, and counts what each intersects of itself.
+    ///
+    /// # Errors
+    /// [`InputError`], naming the file and the element at fault.
+    pub(in crate::cli) fn read(args: &RoleArgs, weld: WeldArg) -> Result<Self, InputError> {
+        let files = input::read_files(&args.bodies)?;
+        let mut reports = Vec::new();
+        for file in files.chunks(1) {
+            let path = file[0].path().to_path_buf();
+            let world = input::join(std::slice::from_ref(&path), file)?;
+            let Input { mesh, frame, .. } = Input::new(file, world, weld)?;
+            let mut found = Intersections::default();
+            Intersector::default().intersect(&mesh, &frame, &mut found);
+            let num_own_face_pairs = found.segments.len();
+            reports.push(BodyReport { file: path.display().to_string(), num_own_face_pairs });
+        }
+        Ok(Self { files, reports })
+    }
+
+    pub(in crate::cli) fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    /// One entry for each body; nothing without any.
+    pub(in crate::cli) fn reports(&self) -> Option<Vec<BodyReport>> {
+        (!self.is_empty()).then(|| self.reports.clone())
+    }
+
+    /// Puts cloth and bodies into one world, the bodies last; `paths` are the names of the cloth in messages.
+    pub(in crate::cli) fn join(&self, paths: &[PathBuf], cloth: &[MeshFile]) -> Result<World, InputError> {
+        let mut world = concatenate(cloth.iter().chain(&self.files))
+            .map_err(|source| InputError::World { files: names(paths), source })?;
+        let first = cloth.iter().map(|file| file.positions().len()).sum::<usize>();
+        let index = |vertex: usize| u32::try_from(vertex).unwrap_or(u32::MAX);
+        if !self.is_empty() {
+            world.description.body = (index(first)..index(world.positions.len())).collect();
+        }
+        Ok(world)
+    }
+}

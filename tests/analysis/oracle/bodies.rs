@@ -1,0 +1,57 @@
+//! The search with bodies: pairs of two faces of bodies are left out, and no others.
+
+use untangle::{
+    frame::Frame,
+    intersect::{Intersections, Intersector},
+    mesh::{Mesh, MeshDescription},
+};
+use untangled_testkit::{
+    generate::{Sheet, crumpled, fan},
+    judge::brute_force,
+};
+
+/// Crumpled sheets and a fan round a vertex of many faces, as one mesh; those asked for are bodies.
+fn scene(seed: u64, is_body: [bool; 3]) -> (Mesh, Vec<[f64; 3]>) {
+    let sheets = [crumpled(seed, 9), crumpled(seed + 1000, 13), fan(5, 80)];
+    let (mut positions, mut faces, mut body) = (Vec::new(), Vec::new(), Vec::new());
+    for (Sheet { positions: own, faces: triangles, .. }, is_body) in sheets.into_iter().zip(is_body) {
+        let offset = u32::try_from(positions.len()).unwrap();
+        positions.extend(own);
+        faces.extend(triangles.into_iter().map(|face| face.map(|corner| corner + offset)));
+        if is_body {
+            body.extend(offset..u32::try_from(positions.len()).unwrap());
+        }
+    }
+    let description = MeshDescription { num_vertices: positions.len(), faces, body, ..Default::default() };
+    (Mesh::new(description).unwrap(), positions)
+}
+
+#[test]
+fn search_with_bodies_equals_brute_force_without_pairs_of_their_faces() {
+    let mut counts = [0; 2];
+    for (seed, is_body) in (0..10).zip(
+        [[true, false, false], [false, true, false], [false, true, true], [true, false, true], [false, false, true]]
+            .into_iter()
+            .cycle(),
+    ) {
+        let (mesh, positions) = scene(seed, is_body);
+        // Steps so small that the later searches look only where certificates have expired.
+        let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
+        for step in 0..3 {
+            let shift = 1e-4 * f64::from(step);
+            let moved: Vec<[f64; 3]> = positions.iter().map(|&[x, y, z]| [x + shift * y, y, z - shift * x]).collect();
+            let frame = Frame::new(&mesh, &moved).unwrap();
+            intersector.intersect(&mesh, &frame, &mut found);
+            let is_body_edge = |edge| mesh.is_body(mesh.edge(edge)[0]);
+            let all = brute_force::edge_face_intersections(&mesh, &frame);
+            let num_all = all.len();
+            let expected: Vec<_> =
+                all.into_iter().filter(|&(edge, face)| !(is_body_edge(edge) && mesh.is_body_face(face))).collect();
+            let own: Vec<_> = found.edge_face.iter().map(|found| (found.edge, found.face)).collect();
+            assert_eq!(own, expected, "seed {seed}, step {step}");
+            counts[0] += expected.len();
+            counts[1] += num_all - expected.len();
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+}
