@@ -12,8 +12,10 @@
 //! | `terminal` | the progress line and Ctrl-C |
 //! | `view` | what a round relaxes: the state as its files hold it, or as another reader sees it |
 //! | `repair` | relax, write, read back, check |
+//! | `clearance` | the same for a gap, once nothing intersects |
 
 mod args;
+mod clearance;
 mod error;
 mod pins;
 mod plan;
@@ -36,10 +38,12 @@ pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
     certificate::Certificate,
+    gap::GapReport,
     input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
 };
+use clearance::Clearing;
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
 use terminal::{Interrupt, Progress};
@@ -72,20 +76,30 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let repair = Repair { files: &files, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
-    let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
+    let repaired = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
-    Blocked::name_owners(&mut blocked, &Owners::new(&files));
+    let owners = Owners::new(&files);
+    let (repaired, gap) = match args.gap.asked() {
+        Some(asked) => {
+            let clearance = Clearing { repair: &repair, asked: &asked, input: &input, owners: &owners };
+            let (repaired, gap) = clearance.run(repaired, interrupt, &mut progress)?;
+            (repaired, Some(gap))
+        }
+        None => (repaired, None),
+    };
+    let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
+    Blocked::name_owners(&mut blocked, &owners);
     let Written { staged, input: read_back, counts: after, .. } = written;
     let report = Report {
         schema: "untangled.fix/1",
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
-        clean: after.is_certified(),
+        clean: after.is_certified() && gap.as_ref().is_none_or(GapReport::is_kept),
         num_welded_vertices: input.weld.num_merged(),
         num_zeroed_coordinates: input.num_zeroed_coordinates(),
         time_limit_reached,
@@ -93,6 +107,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         seconds: start.elapsed().as_secs_f64(),
         before,
         after,
+        gap,
         distortion: Distortion::new(&input, &read_back.positions),
         blocked,
         history,

@@ -220,7 +220,7 @@ impl<'a> Relaxer<'a> {
         path_length_m: f64,
         progress: &mut Progress<'_>,
     ) -> ControlFlow<()> {
-        let iteration = Iteration { num_edge_face_intersections, path_length_m, method };
+        let iteration = Iteration { num_edge_face_intersections, path_length_m, method, num_pairs_below: None };
         self.history.push(iteration);
         progress(&iteration)
     }

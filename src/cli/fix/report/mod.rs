@@ -17,6 +17,7 @@ use untangle::{
 
 use crate::cli::{
     certificate::Certificate,
+    gap::GapReport,
     owners::{OwnedVertex, Owners},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
@@ -32,8 +33,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
-    /// judge for all readers.
+    /// Whether exact checks of the outputs, read back, found no intersection, nor primitives nearer than the gap: by the
+    /// library as they are, and by the judge for all readers.
     pub clean: bool,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
@@ -49,6 +50,9 @@ pub struct Report {
     pub before: Counts,
     /// Intersections of the outputs, read back.
     pub after: Counts,
+    /// The distances of the outputs, read back, if a gap was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<GapReport>,
     /// How much the repair changed the shape.
     pub distortion: Distortion,
     /// Paths that could not be resolved.
@@ -150,8 +154,9 @@ impl Display for Report {
         if self.num_welded_vertices > 0 {
             writeln!(f, "  {}", welded(self.num_welded_vertices))?;
         }
-        if self.before.is_certified() && self.clean {
-            return writeln!(f, "  clean before: written unchanged");
+        if self.before.is_certified() && self.clean && self.num_iterations == 0 {
+            writeln!(f, "  clean before: written unchanged")?;
+            return self.gap.as_ref().map_or(Ok(()), |gap| write!(f, "{gap}"));
         }
         writeln!(
             f,
@@ -163,6 +168,9 @@ impl Display for Report {
             self.after.num_edge_face_intersections,
         )?;
         self.say_readers(f)?;
+        if let Some(gap) = &self.gap {
+            write!(f, "{gap}")?;
+        }
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
         for iteration in &self.history {

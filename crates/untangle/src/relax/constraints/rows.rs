@@ -35,6 +35,12 @@ impl Constraints {
         self.terms.iter().map(|&(vertex, _)| vertex)
     }
 
+    /// Vertices of rows that are not satisfied where nothing moves, some of them several times.
+    pub(crate) fn violated_vertices(&self) -> impl Iterator<Item = VertexId> + '_ {
+        let violated = (0..self.len()).filter(|&index| self.wanted_m[index] > 0.0);
+        violated.flat_map(|index| self.row(index)).map(|&(vertex, _)| vertex)
+    }
+
     /// Removes all rows.
     pub(crate) fn clear(&mut self) {
         self.ends.clear();
