@@ -46,6 +46,7 @@ use super::{
 use clearance::Clearing;
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
+use target::{Staged, Target};
 use terminal::{Interrupt, Progress};
 
 /// Runs the subcommand: prints the report on standard output.
@@ -84,14 +85,8 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
     let owners = Owners::new(&files);
-    let (repaired, gap) = match args.gap.asked() {
-        Some(asked) => {
-            let clearance = Clearing { repair: &repair, asked: &asked, input: &input, owners: &owners };
-            let (repaired, gap) = clearance.run(repaired, interrupt, &mut progress)?;
-            (repaired, Some(gap))
-        }
-        None => (repaired, None),
-    };
+    let clearing = Clearing { repair: &repair, asked: args.gap.asked(), input: &input, owners: &owners };
+    let (repaired, gap) = clearing.run(repaired, interrupt, &mut progress)?;
     let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
     Blocked::name_owners(&mut blocked, &owners);
     let Written { staged, input: read_back, counts: after, .. } = written;
@@ -112,16 +107,24 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         blocked,
         history,
     };
+    persist(&report, staged, report_target, interrupt)?;
+    Ok(report)
+}
+
+/// Puts all files at their places, the report among them.
+fn persist(
+    report: &Report,
+    staged: Vec<Staged>,
+    report_target: Option<Target>,
+    interrupt: &Interrupt,
+) -> Result<(), FixError> {
     let report_file = report_target.map(|target| {
         target
             .stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
     });
     let report_file = report_file.transpose()?;
     interrupt.commit()?;
-    for file in staged.into_iter().chain(report_file) {
-        file.persist()?;
-    }
-    Ok(report)
+    staged.into_iter().chain(report_file).try_for_each(Staged::persist)
 }
 
 /// The files as one world, and its pinned vertices.

@@ -156,7 +156,7 @@ impl Display for Report {
         }
         if self.before.is_certified() && self.clean && self.num_iterations == 0 {
             writeln!(f, "  clean before: written unchanged")?;
-            return self.gap.as_ref().map_or(Ok(()), |gap| write!(f, "{gap}"));
+            return self.say_readers(f);
         }
         writeln!(
             f,
@@ -168,9 +168,6 @@ impl Display for Report {
             self.after.num_edge_face_intersections,
         )?;
         self.say_readers(f)?;
-        if let Some(gap) = &self.gap {
-            write!(f, "{gap}")?;
-        }
         write!(f, "  {} in {:.2} s", Counted(self.num_iterations, "iteration"), self.seconds)?;
         let mut methods: BTreeMap<String, usize> = BTreeMap::new();
         for iteration in &self.history {
@@ -203,7 +200,7 @@ impl Display for Report {
 }
 
 impl Report {
-    /// What other readers find, where that differs.
+    /// What other readers find, where that differs, and the gap.
     fn say_readers(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if self.before.is_clean() && !self.before.certificate.is_clean() {
             writeln!(f, "  the input is clean in double precision as it is, but not for every reader:")?;
@@ -213,7 +210,7 @@ impl Report {
         if !by_readers.is_empty() {
             write!(f, "  what readers of the output find:\n{by_readers}")?;
         }
-        Ok(())
+        self.gap.as_ref().map_or(Ok(()), |gap| write!(f, "{gap}"))
     }
 
     /// The paths that were left, the longest first.
