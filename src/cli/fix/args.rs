@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
+use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -20,7 +20,7 @@ use crate::cli::{input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
 /// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
 /// beside OUT.
 ///
-/// Exit code: 0 clean; 1 intersections remain, and OUT is the best state found; 2 bad input or usage, another error, or
+/// Exit code: 0 clean; 1 intersections remain, or primitives nearer than the gap, and OUT is the best state found; 2 bad input or usage, another error, or
 /// Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 pub struct FixArgs {
@@ -61,6 +61,9 @@ pub struct FixArgs {
     /// Files that are not cloth
     #[command(flatten)]
     pub roles: RoleArgs,
+    /// `--gap` and `--gap-for`.
+    #[command(flatten)]
+    pub gap: GapArgs,
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,

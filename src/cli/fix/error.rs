@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use untangle::relax::RelaxError;
 
-use crate::cli::input::InputError;
+use crate::cli::{gap::GapError, input::InputError};
 
 /// Why nothing was written.
 #[derive(Debug, Error)]
@@ -14,6 +14,9 @@ pub enum FixError {
     /// The files can't be untangled.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The gap can't be checked.
+    #[error(transparent)]
+    Gap(#[from] GapError),
     /// The pin file can't be used.
     #[error("{}{}: {reason}", path.display(), line.map_or(String::new(), |line| format!(":{line}")))]
     Pins {

@@ -12,8 +12,10 @@
 //! | `terminal` | the progress line and Ctrl-C |
 //! | `view` | what a round relaxes: the state as its files hold it, or as another reader sees it |
 //! | `repair` | relax, write, read back, check |
+//! | `clearance` | the same for a gap, once nothing intersects |
 
 mod args;
+mod clearance;
 mod error;
 mod pins;
 mod plan;
@@ -36,14 +38,16 @@ pub use report::{Blocked, Counts, Distortion, Report};
 
 use super::{
     certificate::Certificate,
+    gap::GapReport,
     input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
     roles::Bodies,
 };
+use clearance::Clearing;
 use plan::{Job, check_movable, plan};
 use repair::{Repair, Repaired, Solver, Written};
-use target::Target;
+use target::{Staged, Target};
 use terminal::{Interrupt, Progress};
 
 /// Runs the subcommand: prints the report on standard output.
@@ -74,20 +78,24 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let repair =
         Repair { files: &files, bodies: &bodies, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
-    let Repaired { written, history, mut blocked, time_limit_reached } = if before.is_certified() {
+    let repaired = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {
         check_movable(&jobs, &input)?;
         progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
-    Blocked::name_owners(&mut blocked, &Owners::new(&files));
+    let owners = Owners::new(&files);
+    let clearing = Clearing { repair: &repair, asked: args.gap.asked(), input: &input, owners: &owners };
+    let (repaired, gap) = clearing.run(repaired, interrupt, &mut progress)?;
+    let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
+    Blocked::name_owners(&mut blocked, &owners);
     let Written { staged, input: read_back, counts: after, .. } = written;
     let report = Report {
         schema: "untangled.fix/1",
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
-        clean: after.is_certified(),
+        clean: after.is_certified() && gap.as_ref().is_none_or(GapReport::is_kept),
         bodies: bodies.reports(),
         num_welded_vertices: input.weld.num_merged(),
         num_zeroed_coordinates: input.num_zeroed_coordinates(),
@@ -96,19 +104,29 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         seconds: start.elapsed().as_secs_f64(),
         before,
         after,
+        gap,
         distortion: Distortion::new(&input, &read_back.positions),
         blocked,
         history,
     };
-    let stage = |target: Target| {
-        target.stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|e| target.failed(&e)))
-    };
-    let report_file = report_target.map(stage).transpose()?;
-    interrupt.commit()?;
-    for file in staged.into_iter().chain(report_file) {
-        file.persist()?;
-    }
+    persist(&report, staged, report_target, interrupt)?;
     Ok(report)
+}
+
+/// Puts all files at their places, the report among them.
+fn persist(
+    report: &Report,
+    staged: Vec<Staged>,
+    report_target: Option<Target>,
+    interrupt: &Interrupt,
+) -> Result<(), FixError> {
+    let report_file = report_target.map(|target| {
+        target
+            .stage(interrupt, |out| out.write_all(report.to_json().as_bytes()).map_err(|source| target.failed(&source)))
+    });
+    let report_file = report_file.transpose()?;
+    interrupt.commit()?;
+    staged.into_iter().chain(report_file).try_for_each(Staged::persist)
 }
 
 /// Counts what intersects in the input.

@@ -214,7 +214,7 @@ impl Repair<'_> {
     }
 
     /// Whether the time limit has passed.
-    fn is_late(&self) -> bool {
+    pub(super) fn is_late(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 

@@ -12,7 +12,7 @@ use untangle::{
 };
 use untangled_mesh_io::read_mesh;
 
-use crate::cli::{input::Input, weld::WeldArg};
+use crate::cli::{gap::GapArgs, input::Input, weld::WeldArg};
 
 use super::{Blocked, Distortion, FixArgs, QualityArg, fix, terminal::Interrupt};
 
@@ -23,7 +23,8 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\npr
 element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n4 0 1\n0 4 1.00000011920928955\n\
 1 1 0.5\n1 1.5 3\n1.5 1 3\n3 0 1 2\n3 3 4 5\n";
 
-const STEP: Iteration = Iteration { num_edge_face_intersections: 1, path_length_m: 0.5, method: Method::Push };
+const STEP: Iteration =
+    Iteration { num_edge_face_intersections: 1, path_length_m: 0.5, method: Method::Push, num_pairs_below: None };
 
 fn result(positions: Vec<[f64; 3]>) -> Relaxation {
     Relaxation { positions, history: vec![STEP], blocked: Vec::new(), interrupted: false }
@@ -47,6 +48,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         pin: None,
         weld: WeldArg::Exact,
         roles: Default::default(),
+        gap: GapArgs::default(),
         overwrite: false,
     };
     (folder, args)

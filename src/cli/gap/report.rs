@@ -10,7 +10,7 @@ use untangle::{
     proximity::{Primitives, ProximityEnd, ProximityPair, ProximitySearch},
 };
 
-use super::{args::Asked, presets::Preset};
+use super::{args::Asked, judge::GapCertificate, places::InfeasibleReport, presets::Preset};
 use crate::cli::{
     input::Input,
     owners::{OwnedVertex, Owners},
@@ -19,6 +19,9 @@ use crate::cli::{
 
 /// Most pairs that are counted: each takes a hundred bytes or two.
 const MAX_PAIRS: usize = 10_000_000;
+
+/// Most places of which people are told; all are in the JSON document.
+const MOST_PLACES: usize = 10;
 
 /// Why distances can't be counted.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -42,6 +45,15 @@ pub struct GapReport {
     pub num_pairs_below: usize,
     /// The nearest pair.
     pub nearest: Option<NearestPair>,
+    /// Of `fix`: pairs below it in the input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_pairs_below_before: Option<usize>,
+    /// Of `fix`: pairs below it in the output, by the judge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<GapCertificate>,
+    /// Of `fix`: where pairs could not be set apart, the nearest first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub infeasible: Option<Vec<InfeasibleReport>>,
 }
 
 /// A pair of primitives as a reader of the files finds it.
@@ -78,6 +90,12 @@ fn by_name<S: Serializer>(preset: &Option<Preset>, serializer: S) -> Result<S::O
 }
 
 impl GapReport {
+    /// Whether nobody finds a pair that is nearer than asked for.
+    #[must_use]
+    pub fn is_kept(&self) -> bool {
+        self.num_pairs_below == 0 && self.certificate.is_none_or(|certificate| certificate.is_kept())
+    }
+
     /// Counts the pairs of a state that are nearer than asked for, and finds the nearest one.
     ///
     /// # Errors
@@ -104,6 +122,9 @@ impl GapReport {
             min_distance_m: nearest.map(|pair| pair.distance_m),
             num_pairs_below: found.len(),
             nearest: nearest.map(in_files),
+            num_pairs_below_before: None,
+            certificate: None,
+            infeasible: None,
         })
     }
 }
@@ -120,7 +141,7 @@ impl NearestPair {
 }
 
 impl Side {
-    fn new(vertices: &[u32], owners: &Owners<'_>) -> Self {
+    pub(super) fn new(vertices: &[u32], owners: &Owners<'_>) -> Self {
         let mut side = Self { vertices: vertices.to_vec(), ..Self::default() };
         for OwnedVertex { file, vertex_in_file, part } in
             owners.of_vertices(vertices.iter().copied()).into_iter().flatten()
@@ -150,13 +171,27 @@ impl Display for GapReport {
         let (Some(least), Some(NearestPair { sides: [first, second], .. })) = (min_distance_m, nearest) else {
             return writeln!(f, "  gap of {asked_m} m: there are no two primitives without a common vertex");
         };
+        let are = if *num_pairs_below == 1 { "is" } else { "are" };
+        let pairs = Counted(*num_pairs_below, "primitive pair");
+        let before = self.num_pairs_below_before.map_or(String::new(), |count| format!(", {count} before"));
         if *num_pairs_below == 0 {
-            writeln!(f, "  gap of {asked_m} m: kept")?;
+            writeln!(f, "  gap of {asked_m} m: kept{before}")?;
         } else {
-            let are = if *num_pairs_below == 1 { "is" } else { "are" };
-            let pairs = Counted(*num_pairs_below, "primitive pair");
-            writeln!(f, "  gap of {asked_m} m: {pairs} {are} nearer")?;
+            writeln!(f, "  gap of {asked_m} m: {pairs} {are} nearer{before}")?;
         }
-        writeln!(f, "  nearest, at {least:e} m: {first}, and {second} (vertices count from 0)")
+        let single = self.certificate.and_then(|certificate| certificate.num_pairs_below_single).unwrap_or(0);
+        if single > *num_pairs_below {
+            writeln!(f, "  rounded to single precision: {}", Counted(single, "primitive pair"))?;
+        }
+        writeln!(f, "  nearest, at {least:e} m: {first}, and {second} (vertices count from 0)")?;
+        let places = self.infeasible.as_deref().unwrap_or_default();
+        for place in places.iter().take(MOST_PLACES) {
+            writeln!(f, "  too close: {place}")?;
+        }
+        if places.len() > MOST_PLACES {
+            let more = Counted(places.len() - MOST_PLACES, "further place");
+            writeln!(f, "  too close: {more}; --json and --report list all")?;
+        }
+        Ok(())
     }
 }

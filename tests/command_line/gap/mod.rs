@@ -1,6 +1,8 @@
 //! `--gap` and `--gap-for`.
 
 mod check;
+mod fix;
+mod rules;
 
 /// A square of two triangles, and one a bit higher in a second group whose corners hang over its inside.
 fn sheets(height: f64) -> String {

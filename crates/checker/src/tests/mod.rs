@@ -1,4 +1,5 @@
 mod crossing;
+mod distances;
 mod hits;
 mod hubs;
 mod inside;

@@ -42,6 +42,9 @@ impl Candidates<'_> {
 
     #[inline(always)]
     fn of_faces(&self, margin: f32, places: [u32; 2], found: &mut impl FnMut(Primitives)) {
+        if places.iter().all(|&place| self.mesh.is_body_face(self.bvh.face(place))) {
+            return;
+        }
         let corners = places.map(|place| self.bvh.corners(place));
         for side in [0, 1] {
             let (place, other) = (places[side], places[1 - side]);

@@ -64,7 +64,8 @@ impl CoupledStep {
         }
         self.domain.grow(mesh, self.constraints.vertices(), COUPLED_RINGS);
         let rest = RestShape::of(mesh, frame);
-        let energy = ArapEnergy { mesh, frame, rest: &rest, domain: &self.domain, rest_weight: 0.0, membrane: 0.0, anchor: 0.0 };
+        let energy =
+            ArapEnergy { mesh, frame, rest: &rest, domain: &self.domain, rest_weight: 0.0, membrane: 0.0, anchor: 0.0 };
         if !self.solver.solve(&energy, STIFFNESS, MAX_STRETCH, &self.constraints, Start::Cold, &|| false) {
             return;
         }

@@ -14,10 +14,12 @@
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
 //! | `solver` | all plans, one after the other |
+//! | `clearance` | primitives that are nearer than a gap are set apart |
 //! | `coupled` | the coupled response of one frame |
 //!
 //! A row uses those above it only.
 
+mod clearance;
 mod constraints;
 mod coupled;
 mod energy;
@@ -37,6 +39,7 @@ use std::ops::ControlFlow;
 
 use crate::mesh::Mesh;
 
+pub use clearance::{Clearance, ClearanceObstacle, InfeasiblePlace, open_gap};
 pub use constraints::STRETCH_LIMIT;
 pub use coupled::CoupledStep;
 pub use outcome::{BlockedPath, Iteration, Method, RelaxError, Relaxation};

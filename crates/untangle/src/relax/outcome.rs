@@ -24,6 +24,8 @@ pub enum Method {
     /// The flattening flow, where no trial helped, or the shape recovery after it. Named `straighten` in files.
     #[serde(rename = "straighten")]
     Flatten,
+    /// Primitives that were nearer than the gap were set apart.
+    Gap,
     /// Shape recovery: a step towards the rest shape, with nothing left to resolve. Named `settle` in files.
     #[serde(rename = "settle")]
     RecoverShape,
@@ -39,6 +41,21 @@ pub struct Iteration {
     pub path_length_m: f64,
     /// What led here.
     pub method: Method,
+    /// Pairs of primitives that are too close, where they are set apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_pairs_below: Option<usize>,
+}
+
+impl Iteration {
+    /// The state after pairs were set apart, of which so many are left.
+    pub(super) fn of_gap(num_pairs_below: usize) -> Self {
+        Self {
+            num_edge_face_intersections: 0,
+            path_length_m: 0.0,
+            method: Method::Gap,
+            num_pairs_below: Some(num_pairs_below),
+        }
+    }
 }
 
 /// A path that could not be resolved.

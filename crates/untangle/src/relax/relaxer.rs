@@ -6,11 +6,11 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    constraints::{Constraints, Orientation, StrainLimits},
+    constraints::{Orientation, StrainLimits},
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
     settings::{RelaxSettings, ShouldStop},
-    sides::{SideRows, SideTracker},
+    sides::SideTracker,
     step::{
         Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, is_movable, measure, num_movable,
         remove_pinned_chains,
@@ -63,8 +63,6 @@ pub(super) struct Relaxer<'a> {
     pub(super) trials: Vec<Trial>,
     /// Vertices where the sheets are to pass through each other.
     pub(super) passing: SparseMap<VertexId, ()>,
-    /// Separation constraints of former iterations, which are to hold from now on.
-    pub(super) separated: Constraints,
     /// The islands of the input, which say what moves together during shape recovery.
     pub(super) first_islands: Islands,
     /// The bodies, if there are any.
@@ -100,7 +98,6 @@ impl<'a> Relaxer<'a> {
             domain: Domain::default(),
             trials: Vec::new(),
             passing: SparseMap::default(),
-            separated: Constraints::default(),
             first_islands: Islands::default(),
             has_pinned_chains: false,
             edge_length_m: 0.0,
@@ -121,15 +118,6 @@ impl<'a> Relaxer<'a> {
     /// The free vertices that are inside of a body.
     pub(super) fn wrong_vertices(&self) -> Vec<VertexId> {
         self.sides.as_ref().map(|sides| sides.wrong_vertices(self.frame.positions())).unwrap_or_default()
-    }
-
-    /// Constraints that keep vertices of the present domain that are near a body outside of it.
-    pub(super) fn rows_near_bodies(&self) -> SideRows {
-        let mut rows = SideRows::default();
-        if let Some(sides) = &self.sides {
-            rows.find_near(sides, &self.frame, &self.domain);
-        }
-        rows
     }
 
     /// Analyses the present state, without the chains among pinned vertices.
@@ -250,7 +238,7 @@ impl<'a> Relaxer<'a> {
         path_length_m: f64,
         progress: &mut Progress<'_>,
     ) -> ControlFlow<()> {
-        let iteration = Iteration { num_edge_face_intersections, path_length_m, method };
+        let iteration = Iteration { num_edge_face_intersections, path_length_m, method, num_pairs_below: None };
         self.history.push(iteration);
         progress(&iteration)
     }

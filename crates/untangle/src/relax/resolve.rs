@@ -1,7 +1,5 @@
 //! Iterations of trial displacements: analyse, try several, keep for each island of paths the one that helps most.
 
-use std::collections::BTreeSet;
-
 use super::{
     constraints::{ConstraintSource, Objective, collect, collect_beside_bodies},
     outcome::{BestState, End, Method, RelaxError},
@@ -91,9 +89,6 @@ fn iterate(
     let stuck = choice.iter().zip(now).any(|(choice, now)| choice.is_none() && !now.is_none());
     let method = method_of(relaxer, settings, &choice);
     relaxer.set_frame(&positions)?;
-    for index in choice.iter().flatten().copied().collect::<BTreeSet<_>>() {
-        relaxer.separated.hold(&relaxer.trials[index].constraints, &relaxer.frame);
-    }
     Ok(Some((method, stuck)))
 }
 

@@ -43,7 +43,6 @@ pub(super) fn run(
         if let Plan::Resolve { inside, .. } = plan {
             relaxer.analysis_settings.inside = inside;
         }
-        relaxer.separated.clear();
         relaxer.set_frame(&input)?;
         end = match plan {
             Plan::Resolve { objective, pace, .. } => {
@@ -59,8 +58,8 @@ pub(super) fn run(
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
-        let Relaxer { mesh, frame, analyser, first_islands, now, .. } = &mut relaxer;
-        measure(mesh, frame, &analyser.last().intersections, first_islands, now);
+        let Relaxer { mesh, frame, analyser, sides, first_islands, now, .. } = &mut relaxer;
+        measure(mesh, frame, &analyser.last().intersections, sides.as_ref(), first_islands, now);
         interrupted = settle(&mut relaxer, progress)?;
         relaxer.analyse();
     }
@@ -118,7 +117,6 @@ fn escape(
         if end != End::Stuck {
             return Ok(end);
         }
-        relaxer.separated.clear();
         relaxer.set_frame(&input)?;
     }
     let mut end = descend(relaxer, best, progress)?;

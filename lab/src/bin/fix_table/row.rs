@@ -45,7 +45,7 @@ pub(crate) fn run(
     let start = Instant::now();
     let relaxation = relax(&mesh, positions, settings, &mut |step| {
         if show.watch {
-            let Iteration { num_edge_face_intersections: left, path_length_m, method } = step;
+            let Iteration { num_edge_face_intersections: left, path_length_m, method, .. } = step;
             eprintln!("{:>8.1} s {left:>8} {path_length_m:>10.4} m {method:?}", start.elapsed().as_secs_f64());
         }
         ControlFlow::Continue(())

@@ -18,6 +18,7 @@ use untangle::{
 
 use crate::cli::{
     certificate::Certificate,
+    gap::GapReport,
     input::Input,
     owners::{OwnedVertex, Owners},
     roles::{BodyCounts, BodyReport, say_bodies},
@@ -35,8 +36,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether exact checks of the outputs, read back, found no intersection: by the library as they are, and by the
-    /// judge for all readers.
+    /// Whether exact checks of the outputs, read back, found no intersection, nor primitives nearer than the gap: by the
+    /// library as they are, and by the judge for all readers.
     pub clean: bool,
     /// The bodies, if any were given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,6 +56,9 @@ pub struct Report {
     pub before: Counts,
     /// Intersections of the outputs, read back.
     pub after: Counts,
+    /// The distances of the outputs, read back, if a gap was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<GapReport>,
     /// How much the repair changed the shape.
     pub distortion: Distortion,
     /// Paths that could not be resolved.
@@ -202,8 +206,9 @@ impl Display for Report {
         if self.num_welded_vertices > 0 {
             writeln!(f, "  {}", welded(self.num_welded_vertices))?;
         }
-        if self.before.is_certified() && self.clean {
-            return writeln!(f, "  clean before: written unchanged");
+        if self.before.is_certified() && self.clean && self.num_iterations == 0 {
+            writeln!(f, "  clean before: written unchanged")?;
+            return self.say_readers(f);
         }
         writeln!(
             f,
@@ -270,7 +275,7 @@ impl Report {
         Ok(())
     }
 
-    /// What other readers find, where that differs.
+    /// What other readers find, where that differs, and the gap.
     fn say_readers(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if self.before.is_clean() && !self.before.certificate.is_clean() {
             writeln!(f, "  the input is clean in double precision as it is, but not for every reader:")?;
@@ -280,7 +285,7 @@ impl Report {
         if !by_readers.is_empty() {
             write!(f, "  what readers of the output find:\n{by_readers}")?;
         }
-        Ok(())
+        self.gap.as_ref().map_or(Ok(()), |gap| write!(f, "{gap}"))
     }
 
     /// The paths that were left, the longest first.

@@ -41,14 +41,14 @@ impl Progress {
     /// Shows the state after an iteration.
     pub(crate) fn iteration(&mut self, iteration: &Iteration) {
         self.num_iterations += 1;
-        let Iteration { num_edge_face_intersections, path_length_m, method } = iteration;
+        let Iteration { num_edge_face_intersections, path_length_m, method, num_pairs_below } = iteration;
         // The sum of no lengths is a negative zero.
         let path_length_m = path_length_m + 0.0;
-        let line = format!(
-            "iteration {}: {num_edge_face_intersections} edge-face intersections, paths of {path_length_m:.4} m ({})",
-            self.num_iterations,
-            name_of(method),
+        let state = num_pairs_below.map_or_else(
+            || format!("{num_edge_face_intersections} edge-face intersections, paths of {path_length_m:.4} m"),
+            |count| format!("{count} primitive pairs too close"),
         );
+        let line = format!("iteration {}: {state} ({})", self.num_iterations, name_of(method));
         if self.bar.is_hidden() && self.last_line.elapsed() >= BETWEEN_LINES {
             self.last_line = Instant::now();
             // Nobody may be there to read it.

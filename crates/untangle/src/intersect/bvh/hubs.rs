@@ -66,6 +66,12 @@ impl Hubs {
         let hubs = &self.levels[level];
         hubs[a as usize] != NONE && hubs[a as usize] == hubs[b as usize]
     }
+
+    /// Whether all faces of two nodes of a level are faces of bodies.
+    #[inline(always)]
+    pub(super) fn are_bodies(&self, level: usize, a: u32, b: u32) -> bool {
+        self.levels.get(level).is_some_and(|hubs| hubs[a as usize] == BODY && hubs[b as usize] == BODY)
+    }
 }
 
 /// For each eight in a row what they have in common.

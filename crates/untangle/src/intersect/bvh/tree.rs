@@ -91,6 +91,12 @@ impl Bvh {
         self.adjacency.is_incomplete() && self.hubs.is_common(level, a, b)
     }
 
+    /// Whether all faces of two nodes of a level are faces of bodies.
+    #[inline(always)]
+    pub(super) fn are_bodies(&self, level: usize, a: u32, b: u32) -> bool {
+        self.hubs.are_bodies(level, a, b)
+    }
+
     /// The box of a node below the root.
     #[inline(always)]
     pub(super) fn aabb(&self, level: usize, node: u32) -> Aabb {

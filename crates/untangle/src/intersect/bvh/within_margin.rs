@@ -37,7 +37,7 @@ impl Bvh {
 
     /// Goes down from the pairs of nodes on the stack, and calls `found` once for each pair of nodes of a level, the
     /// first not after the second, whose boxes come within a [margin](Self::margin_f32) of each other. Pairs whose
-    /// faces share a vertex are among them.
+    /// faces share a vertex are among them, those of two bodies are not.
     #[inline(always)]
     pub(crate) fn near_nodes(
         &self,
@@ -48,6 +48,9 @@ impl Bvh {
         mut found: impl FnMut(NodePair),
     ) {
         while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
+            if self.are_bodies(level, a, b) {
+                continue;
+            }
             if level <= end_level {
                 found(pair);
                 continue;

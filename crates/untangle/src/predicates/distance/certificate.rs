@@ -35,16 +35,35 @@ pub(super) fn decide<const N: usize>(differences: &[Point; N], weights: [f64; N]
     if length + ERROR * dot(magnitudes, magnitudes).sqrt() + UNDERFLOW < distance * sum * (1.0 - ERROR) {
         return Some(true);
     }
+    is_apart_along(differences, point, length, distance).then_some(false)
+}
+
+/// Whether the direction between the middles of both primitives proves that they are not nearer: far cheaper than their
+/// closest points, and enough for most neighbours on the surface.
+#[inline]
+pub(super) fn are_middles_apart<const N: usize>(differences: &[Point; N], distance: f64) -> bool {
+    let mut sum = [0.0; 3];
+    for difference in differences {
+        for axis in 0..3 {
+            sum[axis] += difference[axis];
+        }
+    }
+    is_apart_along(differences, sum, dot(sum, sum).sqrt(), distance)
+}
+
+/// Whether all differences reach at least a distance along a direction of some length.
+#[inline]
+fn is_apart_along<const N: usize>(differences: &[Point; N], direction: Point, length: f64, distance: f64) -> bool {
     let mut least = f64::INFINITY;
     for difference in differences {
-        let terms = [point[0] * difference[0], point[1] * difference[1], point[2] * difference[2]];
+        let terms = [direction[0] * difference[0], direction[1] * difference[1], direction[2] * difference[2]];
         let along = terms[0] + terms[1] + terms[2];
         let reach = along - ERROR * (terms[0].abs() + terms[1].abs() + terms[2].abs());
         // A NaN proves nothing.
         least = if reach >= least { least } else { reach };
     }
     let needed = distance * length * (1.0 + ERROR) + UNDERFLOW;
-    (least >= needed && least.is_finite()).then_some(false)
+    least >= needed && least.is_finite()
 }
 
 /// The length of the weighted mean of the differences.

@@ -21,7 +21,7 @@ mod tests;
 
 pub(crate) use closest::{edge_edge_weights, vertex_face_weights};
 
-use certificate::decide;
+use certificate::{are_middles_apart, decide};
 
 /// A position in metres.
 pub(crate) type Point = [f64; 3];
@@ -32,15 +32,19 @@ pub(crate) type Point = [f64; 3];
 /// Cost: some hundred floating-point operations nearly always; tens of microseconds near ties.
 #[must_use]
 pub fn is_vertex_nearer(vertex: Point, face: [Point; 3], distance_m: f64) -> bool {
-    let (differences, weights) = (face.map(|corner| difference(vertex, corner)), vertex_face_weights(vertex, face));
-    decide(&differences, weights, distance_m).unwrap_or_else(|| exact::is_vertex_nearer(vertex, face, distance_m))
+    let differences = face.map(|corner| difference(vertex, corner));
+    !are_middles_apart(&differences, distance_m)
+        && decide(&differences, vertex_face_weights(vertex, face), distance_m)
+            .unwrap_or_else(|| exact::is_vertex_nearer(vertex, face, distance_m))
 }
 
 /// Whether the distance of two segments is less than `distance_m`; see [`is_vertex_nearer`].
 #[must_use]
 pub fn are_edges_nearer(first: [Point; 2], second: [Point; 2], distance_m: f64) -> bool {
-    let (differences, weights) = (edge_differences(first, second), edge_weights(first, second));
-    decide(&differences, weights, distance_m).unwrap_or_else(|| exact::are_edges_nearer(first, second, distance_m))
+    let differences = edge_differences(first, second);
+    !are_middles_apart(&differences, distance_m)
+        && decide(&differences, edge_weights(first, second), distance_m)
+            .unwrap_or_else(|| exact::are_edges_nearer(first, second, distance_m))
 }
 
 /// The distance of a point and a triangle, in metres, rounded.

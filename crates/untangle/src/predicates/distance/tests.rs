@@ -129,6 +129,8 @@ fn filter_never_contradicts_the_exact_answer() {
             let edges = decide(&edge_differences([p, a], [b, c]), edge_weights([p, a], [b, c]), distance);
             let exact =
                 [exact::is_vertex_nearer(p, [a, b, c], distance), exact::are_edges_nearer([p, a], [b, c], distance)];
+            let differences = edge_differences([p, a], [b, c]);
+            assert!(!(are_middles_apart(&differences, distance) && exact[1]), "{points:?} {distance:e}");
             for (answer, exact) in [face, edges].into_iter().zip(exact) {
                 match answer {
                     Some(answer) => {

@@ -103,7 +103,8 @@ impl ArapEnergy<'_> {
                 let wanted = (rotations[local][0] + there[0]) * now * (0.5 * (1.0 - rest_weight))
                     + (rotations[local][1] + there[1]) * rest.edge_vector(vertex, other) * (0.5 * rest_weight);
                 let wanted = if membrane > 0.0 {
-                    let then = now + self.displacement_of(displacement, other) - self.displacement_of(displacement, vertex);
+                    let then =
+                        now + self.displacement_of(displacement, other) - self.displacement_of(displacement, vertex);
                     let length = rest.edge_vector(vertex, other).norm();
                     wanted * (1.0 - membrane) + with_length(then, length) * membrane
                 } else {

@@ -90,9 +90,7 @@ pub(in crate::relax) fn descend(
         if (relaxer.should_stop)() {
             return Ok(End::Interrupted);
         }
-        let Relaxer { mesh, frame, separated, .. } = relaxer;
-        frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
-        separated.hold(&descent.constraints[0], frame);
+        relaxer.frame.set(relaxer.mesh, positions.iter().map(|point| (*point).into()))?;
     }
     Ok(End::Stuck)
 }

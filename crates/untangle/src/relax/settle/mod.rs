@@ -24,8 +24,6 @@ use super::{
 use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
 
-fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
-
 /// The most steps, and the most failures to make one.
 const MAX_STEPS: usize = 40;
 /// Ends where two steps take away less than this part of the energy.
@@ -33,12 +31,10 @@ const MIN_GAIN: f64 = 0.02;
 /// Weight of the elastic energy beside the step: its root is the length, in edges, over which a displacement decays.
 const STIFFNESS: f64 = 1280.0;
 /// The part of it that keeps lengths of edges only.
-const MEMBRANE: f64 = 0.95;
+const MEMBRANE: f64 = 0.98;
 /// Strain that the pull towards the input may cost: the largest displacement is spread over a length of which it is
 /// this part.
 const STRAIN: f64 = 0.03;
-/// Edges that change their length by more than this factor get stiffer.
-const MAX_STRETCH: f64 = 1.04;
 /// Primitives up to so many mean edge lengths from each other are contacts.
 const REACH: f64 = 1.0;
 /// Longest displacement of a step as a part of that: two primitives come no nearer than half of their distance.
@@ -62,9 +58,8 @@ pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> 
     let Some(edge_length_m) = mean_edge_length(mesh, frame, faces) else { return Ok(false) };
     let mut settling = Settling::new(relaxer, edge_length_m);
     let (mut energy, mut trust, mut num_slow) = (f64::INFINITY, TRUST, 0);
-    for _ in 0..env("STEPS", MAX_STEPS as f64) as usize {
+    for _ in 0..MAX_STEPS {
         let moved = settling.step(relaxer, trust, &mut energy);
-        eprintln!("trust {trust} energy {energy} {:?}", moved.as_ref().map(|m| m.1));
         if (relaxer.should_stop)() {
             return Ok(true);
         }
@@ -77,7 +72,8 @@ pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> 
         };
         let Relaxer { mesh, frame, now, .. } = &mut *relaxer;
         frame.set(mesh, positions.iter().map(|point| (*point).into()))?;
-        let left = (now.iter().map(|tangle| tangle.num_edge_face).sum(), now.iter().map(|tangle| tangle.length_m).sum());
+        let left =
+            (now.iter().map(|tangle| tangle.num_edge_face).sum(), now.iter().map(|tangle| tangle.length_m).sum());
         if relaxer.note(Method::RecoverShape, left.0, left.1, progress).is_break() {
             return Ok(true);
         }
@@ -105,7 +101,7 @@ impl Settling {
         let Relaxer { frame, rest, domain, .. } = relaxer;
         let moved_m = |&vertex: &VertexId| (frame.position(vertex) - rest.position(vertex)).norm();
         let largest_m = domain.vertices().iter().map(moved_m).fold(0.0, f64::max);
-        let length_edges = largest_m / (env("STRAIN", STRAIN) * edge_length_m);
+        let length_edges = largest_m / (STRAIN * edge_length_m);
         let anchor = (STIFFNESS / (length_edges * length_edges)).min(1.0);
         Self { edge_length_m, anchor, ..Self::default() }
     }
@@ -114,23 +110,16 @@ impl Settling {
     /// yet known.
     fn step(&mut self, relaxer: &Relaxer<'_>, trust: f64, before: &mut f64) -> Option<(Vec<Point3<f64>>, f64)> {
         let Relaxer { mesh, frame, rest, domain, settings, .. } = relaxer;
-        let energy = ArapEnergy {
-            mesh,
-            frame,
-            rest,
-            domain,
-            rest_weight: 1.0,
-            membrane: env("MU", MEMBRANE),
-            anchor: self.anchor,
-        };
+        let energy =
+            ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, membrane: MEMBRANE, anchor: self.anchor };
         let reach_m = REACH * self.edge_length_m;
         let max_contacts = MAX_CONTACTS * mesh.num_vertices();
-        if !self.contacts.find(mesh, frame, domain, [reach_m, env("GAP", GAP) * self.edge_length_m], max_contacts) {
+        if !self.contacts.find(mesh, frame, domain, [reach_m, GAP * self.edge_length_m], max_contacts) {
             return None;
         }
         self.solver.budget = BUDGET;
-        let max_stretch = env("MAXS", MAX_STRETCH);
-        if !self.solver.solve(&energy, STIFFNESS, max_stretch, &self.contacts.rows, Start::Cold, relaxer.should_stop) {
+        if !self.solver.solve(&energy, STIFFNESS, f64::INFINITY, &self.contacts.rows, Start::Cold, relaxer.should_stop)
+        {
             return None;
         }
         let largest_m = self.solver.displacement.iter().map(|displacement| displacement.norm()).fold(0.0, f64::max);
@@ -141,7 +130,7 @@ impl Settling {
         }
         let mut positions = frame.positions().to_vec();
         let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop);
-        if !step.advance(&mut positions, &target, settings.single_precision) {
+        if !step.advance(&mut positions, &target, settings.single_precision, relaxer.sides.as_ref()) {
             return None;
         }
         if before.is_infinite() {

@@ -63,7 +63,7 @@ impl<'a> CollisionFreeStep<'a> {
     ) -> bool {
         let inside = |positions: &[Point3<f64>]| sides.map(|sides| sides.wrong_vertices(positions)).unwrap_or_default();
         let before = inside(positions);
-        // What hangs on pins inside of a body stays, and holds up nothing else.
+        // What is left elsewhere stays, and holds up nothing.
         let mut left = Vec::new();
         self.damping.reset(self.domain.vertices().len());
         for round in 0..=BACKTRACKING.num_rounds() {
@@ -83,7 +83,7 @@ impl<'a> CollisionFreeStep<'a> {
             self.intersector.intersect(self.mesh, &self.frame, &mut self.found);
             let entered = inside(&self.step).into_iter().filter(|vertex| before.binary_search(vertex).is_err());
             let entered: Vec<VertexId> = entered.collect();
-            if sides.is_some() && round == 0 && !self.found.edge_face.is_empty() {
+            if round == 0 && !self.found.edge_face.is_empty() {
                 left = self.intersections_of(positions);
             }
             self.found.edge_face.retain(|found| is_new(&left, found));

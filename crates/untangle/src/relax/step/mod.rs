@@ -22,7 +22,7 @@ mod precision;
 mod tangle;
 mod trial;
 
-pub(crate) use choice::{Groups, Seams, least_strained, least_tangled};
+pub(crate) use choice::{Groups, Seams, least_tangled};
 pub(crate) use collision_free::CollisionFreeStep;
 pub(crate) use damping::{Backtracking, Damping};
 pub(crate) use displacement::{DisplacementSolver, SolverBudget, Start};

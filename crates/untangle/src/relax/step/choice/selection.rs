@@ -5,8 +5,6 @@ use crate::relax::step::{tangle::Tangle, trial::Trial};
 /// Strains beyond this logarithm count against a state that still intersects: what is crushed now blocks the next
 /// displacement.
 const LARGE_STRAIN: f64 = 0.25;
-/// A state counts as less strained from this part of the strain on.
-const LESS_STRAINED: f64 = 0.98;
 
 /// The trial that leaves a group of islands least tangled, and of those that leave it clean the one with the least
 /// strain. Nothing if none is better than no step, unless something must change.
@@ -23,19 +21,6 @@ pub(crate) fn least_tangled(trials: &[Trial], now: &[Tangle], group: &[usize], m
         }
     }
     best.2
-}
-
-/// The trial that leaves a group of islands clean with the least strain. Nothing if none leaves less than there is in
-/// `strains`.
-pub(crate) fn least_strained(trials: &[Trial], strains: &[f64], group: &[usize]) -> Option<usize> {
-    let mut best = (LESS_STRAINED * largest(strains, group), None);
-    for (index, trial) in trials.iter().enumerate().filter(|(_, trial)| trial.is_usable) {
-        let strain = largest(&trial.best.strains, group);
-        if group.iter().all(|&island| trial.best.tangles[island].is_none()) && strain < best.0 {
-            best = (strain, Some(index));
-        }
-    }
-    best.1
 }
 
 fn merit(tangles: &[Tangle], group: &[usize]) -> f64 {
@@ -74,12 +59,5 @@ mod tests {
         let trials = [trial(9, 0.0), trial(5, 0.0)];
         assert_eq!(least_tangled(&trials, &now, &[0], false), None);
         assert_eq!(least_tangled(&trials, &now, &[0], true), Some(1));
-    }
-
-    #[test]
-    fn least_strained_ignores_trials_that_intersect() {
-        let trials = [trial(1, 0.0), trial(0, 0.2), trial(0, 0.1)];
-        assert_eq!(least_strained(&trials, &[0.5], &[0]), Some(2));
-        assert_eq!(least_strained(&trials, &[0.1], &[0]), None);
     }
 }
