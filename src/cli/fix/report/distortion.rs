@@ -10,6 +10,8 @@ use crate::cli::input::Input;
 /// Displacements and stretch between two states of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Distortion {
+    /// Vertices that moved at all; all others are what they were, to the bit.
+    pub num_moved_vertices: usize,
     /// Largest displacement of a vertex, in metres.
     pub max_displacement_m: f64,
     /// Mean displacement of all vertices, in metres.
@@ -28,11 +30,12 @@ impl Distortion {
     /// have no stretch and are left out; without any edge the stretch is 1.
     pub(in crate::cli) fn new(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Self {
         let distance = |a: [f64; 3], b: [f64; 3]| nalgebra::distance(&Point3::from(a), &Point3::from(b));
-        let (mut largest, mut sum, mut num_vertices) = (0.0f64, 0.0, 0);
+        let (mut largest, mut sum, mut num_vertices, mut num_moved_vertices) = (0.0f64, 0.0, 0, 0);
         // Bodies come last, and don't move.
         let is_cloth = |&(vertex, _): &(u32, _)| !mesh.is_body(weld.of(vertex));
         for (_, (&before, &after)) in (0..).zip(before.iter().zip(after)).take_while(is_cloth) {
             num_vertices += 1;
+            num_moved_vertices += usize::from(before.map(f64::to_bits) != after.map(f64::to_bits));
             let displacement = distance(before, after);
             largest = largest.max(displacement);
             sum += displacement;
@@ -58,6 +61,7 @@ impl Distortion {
             if count > 0 { sum / count as f64 } else { without }
         };
         Self {
+            num_moved_vertices,
             max_displacement_m: largest,
             mean_displacement_m: mean(sum, num_vertices, 0.0),
             max_edge_stretch: worst,

@@ -256,13 +256,15 @@ impl Report {
     /// How far the cloth moved, and how it was stretched.
     fn say_distortion(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Distortion {
+            num_moved_vertices,
             max_displacement_m,
             mean_displacement_m,
             max_edge_stretch,
             mean_edge_stretch,
             num_overstretched_edges,
         } = self.distortion;
-        writeln!(f, "  moved {max_displacement_m:.6} m at most, {mean_displacement_m:.6} m on average")?;
+        let moved = Counted(num_moved_vertices, "vertex");
+        writeln!(f, "  moved {moved}, {max_displacement_m:.6} m at most, {mean_displacement_m:.6} m on average")?;
         writeln!(f, "  edges are {max_edge_stretch:.4} times as long at worst, {mean_edge_stretch:.4} on average")?;
         if num_overstretched_edges > 0 {
             writeln!(

@@ -51,6 +51,11 @@ impl RestShape {
         self.positions[vertex.index()]
     }
 
+    /// The positions of the input in metres, one for each vertex.
+    pub(crate) fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
+    }
+
     fn edge_vector(&self, from: VertexId, to: VertexId) -> Vector3<f64> {
         self.positions[to.index()] - self.positions[from.index()]
     }

@@ -8,10 +8,12 @@
 //! | file | purpose |
 //! |---|---|
 //! | `contacts` | primitives that are near each other, and how near they may come |
+//! | `taper` | displacements that end: what moved by next to nothing goes back to where it was |
 //!
 //! A row uses those above it only.
 
 mod contacts;
+mod taper;
 
 use nalgebra::Point3;
 
@@ -23,6 +25,7 @@ use super::{
 };
 use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
+use taper::taper;
 
 /// The most steps, and the most failures to make one.
 const MAX_STEPS: usize = 40;
@@ -47,9 +50,18 @@ const GAP: f64 = 0.1;
 const MAX_CONTACTS: usize = 100;
 const BUDGET: SolverBudget = SolverBudget { newton_steps: 12, cg_steps: 100, penalty: 1e4 };
 
-/// Recovers the shape of the input round all vertices that moved, but those of islands that are still tangled. True if
-/// `progress` ended it.
+/// Recovers the shape of the input round all vertices that moved, but those of islands that are still tangled; then
+/// ends displacements that are next to nothing. True if `progress` ended it.
 pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
+    let is_ended = recover(relaxer, progress)?;
+    if !is_ended && let Some(positions) = taper(relaxer) {
+        relaxer.frame.set(relaxer.mesh, positions.iter().map(|point| (*point).into()))?;
+    }
+    Ok(is_ended)
+}
+
+/// The steps. True if `progress` ended them.
+fn recover(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
     let Relaxer { mesh, frame, rest, domain, first_islands, now, .. } = &mut *relaxer;
     let is_tangled = |vertex| now.get(first_islands.of(vertex)).is_some_and(|tangle| !tangle.is_none());
     let is_moved = |vertex: &VertexId| rest.position(*vertex) != frame.position(*vertex) && !is_tangled(*vertex);
