@@ -13,17 +13,17 @@
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `recovery` | shape recovery once nothing intersects |
 //! | `solver` | all plans, one after the other |
-//! | `coupled` | the coupled response of one frame |
+//! | `proposal` | what one frame proposes as a displacement, judged before it goes out |
 //!
 //! A row uses those above it only.
 
 mod constraints;
-mod coupled;
 mod energy;
 mod escape;
 mod flattening;
 mod outcome;
 mod plan;
+mod proposal;
 mod recovery;
 mod relaxer;
 mod resolve;
@@ -36,8 +36,8 @@ use std::ops::ControlFlow;
 use crate::mesh::Mesh;
 
 pub use constraints::STRETCH_LIMIT;
-pub use coupled::CoupledStep;
 pub use outcome::{BlockedPath, Iteration, Method, RelaxError, Relaxation};
+pub(crate) use proposal::{AnalysedFrame, Proposer};
 pub use settings::{Effort, RelaxSettings};
 
 /// Moves vertices until nothing intersects, or nothing helps any more. `positions` are in metres, `num_vertices x 3`.

@@ -1,6 +1,37 @@
-//! Positions as the file that they go to will hold them.
+//! Positions as a file or a host will hold them.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
+
+/// How exactly a displaced position is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Precision {
+    /// In double precision.
+    Double,
+    /// Rounded to single precision, for files that hold no more.
+    Single,
+    /// As a host has it after adding a displacement that is sent to it in single precision.
+    Sent {
+        /// Whether the host adds in single precision.
+        is_single: bool,
+    },
+}
+
+impl Precision {
+    /// The position to which a displacement leads.
+    pub(crate) fn moved(self, before: Point3<f64>, displacement: Vector3<f64>) -> Point3<f64> {
+        match self {
+            Self::Double => before + displacement,
+            Self::Single => stored(before + displacement, true),
+            Self::Sent { is_single } => stored(before + sent(displacement), is_single),
+        }
+    }
+}
+
+/// A displacement as it is sent: rounded to single precision, and none where that can't hold it.
+pub(crate) fn sent(displacement: Vector3<f64>) -> Vector3<f64> {
+    let rounded = stored(displacement.into(), true).coords;
+    if rounded.iter().all(|value| value.is_finite()) { rounded } else { Vector3::zeros() }
+}
 
 /// A position, rounded to single precision where asked for.
 pub(crate) fn stored(point: Point3<f64>, single_precision: bool) -> Point3<f64> {
