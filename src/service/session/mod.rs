@@ -117,7 +117,7 @@ impl Session {
                 Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
             })?;
             let port = RepairPort::create(node, corrections.event(), &port)?;
-            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port)))
+            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port, Arc::clone(shared.workers.totals()))))
         } else {
             None
         };
