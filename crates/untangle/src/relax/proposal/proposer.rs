@@ -49,10 +49,7 @@ pub(crate) struct Proposer {
     /// The vertices of the proposal, and what it does to them, as it will be sent.
     domain: Domain,
     displacement: Vec<Vector3<f64>>,
-    /// Those of a proposal that the forces of one step stand in for.
-    weaker: Domain,
-    weaker_displacement: Vec<Vector3<f64>>,
-    moves: Vec<bool>,
+    forces: StandIn,
 }
 
 impl Proposer {
@@ -75,7 +72,7 @@ impl Proposer {
         }
         self.islands.find(mesh, analysis, REACH);
         self.now.measure(mesh, frame, &analysis.intersections, &self.islands);
-        let Self { islands, now, coupled, line_search, .. } = self;
+        let Self { islands, now, coupled, line_search, forces, .. } = self;
         let scene = Scene {
             mesh,
             frame,
@@ -102,38 +99,69 @@ impl Proposer {
             responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
             return;
         }
-        self.moves.clear();
-        self.moves.resize(islands.len() + 1, false);
-        for (&vertex, step) in domain.vertices().iter().zip(&*displacement) {
-            self.moves[islands.of(vertex)] |= *step != Vector3::zeros();
+        let proposal = Proposal { domain, displacement };
+        let stood_in = !should_stop() && forces.stand_in(view, &scene, &proposal, line_search, responder, &should_stop);
+        if !stood_in && (verdict == Verdict::Shortened || settings.response == Response::Coupled) {
+            responder.displace(mesh, domain.vertices(), displacement);
         }
-        let stands = |island: usize| !now.islands[island].is_none() && !self.moves[island];
-        if !(0..now.islands.len()).any(stands) || should_stop() {
-            if verdict == Verdict::Shortened || settings.response == Response::Coupled {
-                responder.displace(mesh, domain.vertices(), displacement);
-            }
-            return;
+    }
+}
+
+/// A displacement that does no harm.
+struct Proposal<'a> {
+    domain: &'a Domain,
+    displacement: &'a [Vector3<f64>],
+}
+
+/// The forces of one step, which stand in where nothing moves.
+#[derive(Debug, Default)]
+struct StandIn {
+    domain: Domain,
+    displacement: Vec<Vector3<f64>>,
+    /// For each island whether something moves there.
+    moves: Vec<bool>,
+}
+
+impl StandIn {
+    /// Puts the forces of one step where a proposal moves nothing, as far as they do no harm. False where it moves
+    /// something everywhere, and corrections are as they were.
+    fn stand_in(
+        &mut self,
+        view: &AnalysedFrame<'_>,
+        scene: &Scene<'_>,
+        proposal: &Proposal<'_>,
+        line_search: &mut LineSearch,
+        responder: &mut Responder,
+        should_stop: &dyn Fn() -> bool,
+    ) -> bool {
+        let AnalysedFrame { mesh, frame, analysis, settings, .. } = *view;
+        let Scene { islands, now, .. } = *scene;
+        let Proposal { domain, displacement } = *proposal;
+        let Self { domain: both, displacement: steps, moves } = self;
+        moves.clear();
+        moves.resize(islands.len() + 1, false);
+        for (&vertex, step) in domain.vertices().iter().zip(displacement) {
+            moves[islands.of(vertex)] |= *step != Vector3::zeros();
         }
-        // The forces of one step, where nothing moves.
+        let stands = |island: usize| !now.islands[island].is_none() && !moves[island];
+        if !(0..now.islands.len()).any(stands) {
+            return false;
+        }
         responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
         let forces = responder.corrections();
-        let moved = |local: &usize| displacement[*local] != Vector3::zeros();
-        let kept = (0..displacement.len()).filter(moved).map(|local| domain.vertices()[local]);
-        self.weaker.grow(mesh, kept.chain(forces.touched.iter().copied()), 0);
-        let step = |&vertex: &VertexId| {
-            let local = domain.local(vertex);
-            if stands(islands.of(vertex)) {
-                step_of(mesh, forces, vertex)
-            } else {
-                local.map_or_else(Vector3::zeros, |local| displacement[local])
-            }
+        both.grow(mesh, domain.vertices().iter().chain(&forces.touched).copied(), 0);
+        let step = |&vertex: &VertexId| match domain.local(vertex) {
+            _ if stands(islands.of(vertex)) => step_of(mesh, forces, vertex),
+            Some(local) => displacement[local],
+            None => Vector3::zeros(),
         };
-        self.weaker_displacement.clear();
-        self.weaker_displacement.extend(self.weaker.vertices().iter().map(step));
-        match line_search.shorten(&scene, &self.weaker, &mut self.weaker_displacement, &should_stop) {
+        steps.clear();
+        steps.extend(both.vertices().iter().map(step));
+        match line_search.shorten(scene, both, steps, should_stop) {
             Verdict::Unjudged => responder.displace(mesh, domain.vertices(), displacement),
-            _ => responder.displace(mesh, self.weaker.vertices(), &self.weaker_displacement),
+            Verdict::Harmless | Verdict::Shortened => responder.displace(mesh, both.vertices(), steps),
         }
+        true
     }
 }
 
