@@ -27,10 +27,12 @@ impl Precision {
     }
 }
 
-/// A displacement as it is sent: rounded to single precision, and none where that can't hold it.
+/// A displacement as it is sent: rounded to single precision. Beyond the range of that it stays as it is, for callers
+/// whose cloth is of any size; on the wire it is none.
 pub(crate) fn sent(displacement: Vector3<f64>) -> Vector3<f64> {
     let rounded = stored(displacement.into(), true).coords;
-    if rounded.iter().all(|value| value.is_finite()) { rounded } else { Vector3::zeros() }
+    let is_held = |value: f64| value.is_finite() && value.abs() >= f64::from(f32::MIN_POSITIVE);
+    rounded.zip_map(&displacement, |rounded, value| if is_held(rounded) { rounded } else { value })
 }
 
 /// A position, rounded to single precision where asked for.
