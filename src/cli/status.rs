@@ -55,8 +55,8 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
 /// Heads of the table's columns.
-const HEADS: [&str; 10] =
-    ["session", "vertices", "faces", "frames", "skipped", "refused", "truncated", "Hz", "EFs", "ms/frame"];
+const HEADS: [&str; 11] =
+    ["session", "vertices", "faces", "frames", "skipped", "refused", "truncated", "repairs", "Hz", "EFs", "ms/frame"];
 
 /// The report for people: a line about the daemon, then one for each session.
 fn table(report: &Value) -> String {
@@ -83,20 +83,26 @@ fn table(report: &Value) -> String {
             count("num_skipped_frames"),
             count("num_refused_frames"),
             count("num_truncated_frames"),
+            repairs(&session["repairs"]),
             format!("{:.1}", number(&session["rate_hz"])),
             count("num_edge_face_intersections"),
             format!("{:.3}", number(&session["stage_us"]["total"]) / 1e3),
         ]
     });
-    let rows: Vec<[String; 10]> = [HEADS.map(str::to_owned)].into_iter().chain(rows).collect();
+    let rows: Vec<[String; 11]> = [HEADS.map(str::to_owned)].into_iter().chain(rows).collect();
     // Each column is as wide as its longest entry.
-    let widths: [usize; 10] = std::array::from_fn(|k| rows.iter().map(|row| row[k].len()).max().unwrap_or(0));
+    let widths: [usize; 11] = std::array::from_fn(|k| rows.iter().map(|row| row[k].len()).max().unwrap_or(0));
     for row in rows {
         out.push('\n');
         let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         out.push_str(&cells.join("  "));
     }
     out
+}
+
+/// Certified repairs of those that were sent; a dash for a session without repairs.
+fn repairs(counts: &Value) -> String {
+    if counts.is_null() { "-".into() } else { format!("{}/{}", counts["num_certified"], counts["num_sent"]) }
 }
 
 #[cfg(test)]
@@ -109,6 +115,7 @@ mod tests {
             serde_json::json!({
                 "session": number, "num_vertices": number, "num_faces": number, "num_frames": number,
                 "num_skipped_frames": number, "num_refused_frames": number, "num_truncated_frames": number,
+                "repairs": (number > 7).then(|| serde_json::json!({ "num_sent": number, "num_certified": 3 })),
                 "rate_hz": 1.0 * number as f64, "num_edge_face_intersections": number,
                 "stage_us": { "total": 10.0 * number as f64 },
             })

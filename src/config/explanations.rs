@@ -33,7 +33,7 @@ pub(super) const EXPLANATIONS: &[(&str, &str)] = &[
     ("domain", "Where clients find the daemon; different domains never meet."),
     ("quality", "The settings below start from `fast`, `balanced` or `accurate`; a session may choose one too."),
     ("num_workers", "Threads that work on frames, at least 2; 0 for as many as there are processors."),
-    ("num_repair_workers", "Repairs at a time, 1 to 64; each is spread over all processors, behind all frames."),
+    ("num_repair_workers", "Repairs at a time, 1 to 64; each is spread over all processors, at a lower priority."),
     (
         "instruction_set",
         "`best`, or `portable` for what every processor has: slower, with the same answers; for tests of that.",

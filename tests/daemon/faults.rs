@@ -113,6 +113,12 @@ fn frames_with_lying_headers_are_refused_or_right() {
 }
 
 #[test]
+fn repair_requests_with_lying_headers_are_refused_or_right() {
+    let _guard = busy();
+    assert_clean(&faults::lying_repair_requests(PROGRAMS, 1000, SEED));
+}
+
+#[test]
 fn requests_with_fields_at_their_limits_get_one_reply() {
     let _guard = busy();
     assert_clean(&faults::request_limits(PROGRAMS));

@@ -2,12 +2,15 @@
 //!
 //! Counted on the one thread of a pool, since the bounding volume hierarchies are built in parallel.
 
+use std::sync::Arc;
+
 use untangle::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
     respond::Responder,
     settings::{Response, Settings},
+    untangler::Untangler,
 };
 use untangled_publisher::{mesh::Cloth, scenes::Scene};
 
@@ -80,4 +83,28 @@ fn analyser_and_responder_on_warm_frames_allocate_nothing() {
         }
     }
     assert_eq!(worst, [0, 0], "allocations of warm frames in analysis and in response");
+}
+
+/// Tangles whose displacements are judged, and shortened in some of them.
+#[test]
+fn untangler_on_warm_frames_of_judged_displacements_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let settings = Settings { response: Response::Displacement, ..Settings::default() };
+    for name in ["gallery", "curtains", "tongue", "twist"] {
+        let cloth = name.parse::<Scene>().unwrap().build(1, 0.03);
+        let mesh = Arc::new(meshes(&cloth).swap_remove(1));
+        let frame = Frame::new(&mesh, &cloth.points()).unwrap();
+        let mut untangler = Untangler::new(Arc::clone(&mesh), settings.clone()).unwrap();
+        let counts = pool.install(|| {
+            // The second is the first that is searched by certificates.
+            [0, 1, 2, 3].map(|_| {
+                let count = allocation_counter::measure(|| {
+                    untangler.process(&frame, &mut ());
+                });
+                count.count_total
+            })
+        });
+        println!("{name}: {counts:?} allocations in a frame");
+        assert!(counts[0] > 0 && counts[2..] == [0, 0], "{name}: {counts:?}");
+    }
 }

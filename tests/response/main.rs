@@ -4,6 +4,7 @@
 mod allocations;
 mod budget;
 mod fineness;
+mod harmless;
 mod instruction_sets;
 mod momenta;
 mod numerics;

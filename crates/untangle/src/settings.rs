@@ -71,8 +71,8 @@ pub enum Quality {
     /// The default settings.
     #[default]
     Balanced,
-    /// One displacement field for all paths together (`coupled`): clean in the fewest frames, for tens of times the
-    /// time. Keeps no momentum.
+    /// One displacement field for all paths together (`coupled`): the best end, for tens of times the time and more.
+    /// Keeps no momentum.
     Accurate,
 }
 
@@ -101,10 +101,11 @@ pub enum Response {
     /// Forces down the gradient of the path length (Volino and Magnenat-Thalmann 2006).
     Contour,
     /// Displacement towards the targets, by more than half of the distance in one step: for repairs, not simulations,
-    /// since it keeps no momentum. Paths without targets get forces.
+    /// since it keeps no momentum. Paths without targets get forces. Judged before it goes out: where it would make an
+    /// island of paths worse it is shortened, or forces of one step stand in, or nothing moves.
     Displacement,
-    /// One displacement field for all paths together that changes the shape of the cloth least: for repairs, like
-    /// `displacement`. Keeps no momentum.
+    /// One displacement field for all paths together that changes the shape of the cloth least, the best of several
+    /// trials: for repairs, like `displacement`, and judged as that. Keeps no momentum.
     Coupled,
     /// Flags only: no forces.
     Mask,

@@ -8,7 +8,7 @@ use crate::{
     frame::Frame,
     intersect::SearchEnd,
     mesh::Mesh,
-    relax::CoupledStep,
+    relax::{AnalysedFrame, Proposer},
     respond::{Corrections, Responder},
     settings::{Response, Settings, SettingsError},
     stage::{Stage, StageObserver},
@@ -22,7 +22,8 @@ pub struct Untangler {
     settings: Settings,
     analyser: Analyser,
     responder: Responder,
-    coupled: CoupledStep,
+    proposer: Proposer,
+    is_single_precision: bool,
 }
 
 /// The answer to one frame.
@@ -51,7 +52,8 @@ impl Untangler {
             settings,
             analyser: Analyser::default(),
             responder: Responder::default(),
-            coupled: CoupledStep::default(),
+            proposer: Proposer::default(),
+            is_single_precision: false,
         })
     }
 
@@ -88,16 +90,28 @@ impl Untangler {
         self.responder.is_labelled()
     }
 
+    /// Says that the host adds displacements in single precision, from the next frame on; in double precision at first.
+    /// What the responses `displacement` and `coupled` lead to is judged at the positions that the host will have.
+    pub fn set_single_precision(&mut self, is_single_precision: bool) {
+        self.is_single_precision = is_single_precision;
+    }
+
+    /// Whether the host adds displacements in single precision.
+    #[must_use]
+    pub fn is_single_precision(&self) -> bool {
+        self.is_single_precision
+    }
+
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
         let (analysis, search) = (self.analyser.last(), self.analyser.search_end());
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
-        if self.settings.response == Response::Coupled {
+        if matches!(self.settings.response, Response::Displacement | Response::Coupled) {
             observer.begin(Stage::Respond);
-            let (found, add) = self.responder.displacement_adder(&self.mesh);
-            self.coupled.step(&self.mesh, frame, analysis, found, add);
-            self.responder.list_touched();
+            let Self { mesh, settings, is_single_precision: is_single, .. } = self;
+            let view = AnalysedFrame { mesh, frame, analysis, settings, is_single: *is_single };
+            self.proposer.propose(&view, &mut self.responder, observer);
             observer.end();
         }
         Outcome {

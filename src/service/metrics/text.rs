@@ -4,7 +4,10 @@
 
 use std::fmt::Write as _;
 
-use crate::service::requests::status::{Report, SessionReport};
+use crate::service::{
+    repair::Counts,
+    requests::status::{Report, SessionReport},
+};
 
 /// A number of a session.
 type Value = fn(&SessionReport) -> f64;
@@ -26,6 +29,17 @@ const BY_SESSION: &[(&str, &str, &str, Value)] = &[
     ("contour_length_metres", "gauge", "Length of all paths, in the last frame.", |s| s.contour_length_m),
 ];
 
+/// A number of a session's repairs.
+type RepairValue = fn(&Counts) -> u64;
+
+/// Of sessions that asked for repairs.
+const REPAIRS: [(&str, &str, RepairValue); 3] = [
+    ("repairs_total", "Repairs that were sent.", |counts| counts.num_sent),
+    ("repairs_certified_total", "Of these, certified: an exact check found them clean.", |counts| counts.num_certified),
+    ("repairs_replaced_total", REPLACED, |counts| counts.num_replaced),
+];
+const REPLACED: &str = "Requests for repairs that a newer one replaced while they waited.";
+
 /// The report as text.
 #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 pub(super) fn prometheus(report: &Report) -> String {
@@ -40,6 +54,9 @@ pub(super) fn prometheus(report: &Report) -> String {
         ("daemon_frames_refused_total", "counter", "Of these, not usable.", report.num_refused_frames as f64),
         ("daemon_frames_skipped_total", "counter", "Frames overtaken by newer ones.", report.num_skipped_frames as f64),
         ("daemon_frames_truncated_total", "counter", "Of these, ended by a limit.", report.num_truncated_frames as f64),
+        ("daemon_repairs_total", "counter", "Repairs of all sessions.", report.repairs.num_sent as f64),
+        ("daemon_repairs_certified_total", "counter", "Of these, certified.", report.repairs.num_certified as f64),
+        ("daemon_repairs_replaced_total", "counter", REPLACED, report.repairs.num_replaced as f64),
     ] {
         family(&mut out, name, kind, help, [(String::new(), value)]);
     }
@@ -49,6 +66,11 @@ pub(super) fn prometheus(report: &Report) -> String {
     for (name, kind, help, value) in BY_SESSION {
         let samples = report.sessions.iter().map(|session| (format!("{{{}}}", label(session)), value(session)));
         family(&mut out, name, kind, help, samples);
+    }
+    for (name, help, value) in REPAIRS {
+        let counts = report.sessions.iter().filter_map(|session| Some((session, session.repairs.as_ref()?)));
+        let samples = counts.map(|(session, counts)| (format!("{{{}}}", label(session)), value(counts) as f64));
+        family(&mut out, name, "counter", help, samples);
     }
     let by_session = report.sessions.iter().flat_map(|session| {
         let stages = session.stage_total_s.iter();

@@ -22,7 +22,7 @@ use untangled_proto::{
 use super::{
     port::RepairPort,
     progress::Progress,
-    requests::{Counts, Request, State},
+    requests::{Counts, Request, State, Totals},
     solve::{Task, solve},
 };
 use crate::service::{pool::Job, throttle::Throttle};
@@ -35,6 +35,8 @@ pub(crate) struct RepairDesk {
     precision: Precision,
     port: RepairPort,
     state: Mutex<State>,
+    /// Those of all sessions.
+    totals: Arc<Totals>,
 }
 
 /// Answers the requests of one session, one after the other.
@@ -42,8 +44,14 @@ pub(crate) struct RepairDesk {
 pub(crate) struct RepairJob(Weak<RepairDesk>);
 
 impl RepairDesk {
-    pub(crate) fn new(session: u64, mesh: Arc<Mesh>, precision: Precision, port: RepairPort) -> Self {
-        Self { session, mesh, precision, port, state: Mutex::default() }
+    pub(crate) fn new(
+        session: u64,
+        mesh: Arc<Mesh>,
+        precision: Precision,
+        port: RepairPort,
+        totals: Arc<Totals>,
+    ) -> Self {
+        Self { session, mesh, precision, port, state: Mutex::default(), totals }
     }
 
     /// Whether a frame is to be repaired: where its state asks for it, or the settings do. Fills in what its correction
@@ -98,7 +106,10 @@ impl RepairDesk {
         };
         let mut state = self.state();
         let replaced = state.waiting.replace(request);
-        state.counts.num_replaced += u64::from(replaced.is_some());
+        if replaced.is_some() {
+            state.counts.num_replaced += 1;
+            self.totals.add_replaced();
+        }
         let has_job = std::mem::replace(&mut state.has_job, true);
         drop(state);
         (!has_job).then(|| RepairJob(Arc::downgrade(self)))
@@ -124,7 +135,9 @@ impl RepairDesk {
             // Before it is sent, so that a host that has the repair finds it counted.
             let counts = &mut self.state().counts;
             counts.num_sent += 1;
-            counts.num_certified += u64::from(header.flags & CERTIFIED != 0);
+            let is_certified = header.flags & CERTIFIED != 0;
+            counts.num_certified += u64::from(is_certified);
+            self.totals.add_sent(is_certified);
             header.num_replaced = counts.num_replaced;
         }
         if let Err(error) = self.port.send(header, displacements) {

@@ -1,6 +1,9 @@
 //! The requests of one session for repairs: which waits, and whether one is in work.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::{Duration, Instant},
+};
 
 use serde::Serialize;
 use untangle::intersect::SearchLimits;
@@ -60,6 +63,34 @@ pub(crate) struct Counts {
     pub(crate) num_certified: u64,
     /// Requests that a newer one replaced while they waited.
     pub(crate) num_replaced: u64,
+}
+
+/// Counts of the repairs of all sessions since the daemon started, those that have ended included: they never fall.
+#[derive(Debug, Default)]
+pub(crate) struct Totals {
+    num_sent: AtomicU64,
+    num_certified: AtomicU64,
+    num_replaced: AtomicU64,
+}
+
+impl Totals {
+    /// Counts a repair that is sent.
+    pub(super) fn add_sent(&self, is_certified: bool) {
+        self.num_sent.fetch_add(1, Ordering::Relaxed);
+        self.num_certified.fetch_add(u64::from(is_certified), Ordering::Relaxed);
+    }
+
+    /// Counts a request that a newer one replaced.
+    pub(super) fn add_replaced(&self) {
+        self.num_replaced.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The counts now.
+    pub(crate) fn counts(&self) -> Counts {
+        let count = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        let (num_sent, num_certified) = (count(&self.num_sent), count(&self.num_certified));
+        Counts { num_sent, num_certified, num_replaced: count(&self.num_replaced) }
+    }
 }
 
 #[cfg(test)]

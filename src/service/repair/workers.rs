@@ -1,8 +1,11 @@
 //! The threads that work on the repairs of all sessions.
 
-use std::{io, sync::OnceLock};
+use std::{
+    io,
+    sync::{Arc, OnceLock},
+};
 
-use super::desk::RepairJob;
+use super::{desk::RepairJob, requests::Totals};
 use crate::service::pool::{Pool, PoolOptions};
 
 /// Threads for repairs, which are started for the first session that asks for repairs.
@@ -10,12 +13,14 @@ use crate::service::pool::{Pool, PoolOptions};
 pub(crate) struct RepairWorkers {
     pool: OnceLock<Pool<RepairJob>>,
     options: PoolOptions,
+    totals: Arc<Totals>,
 }
 
 impl RepairWorkers {
     /// For so many repairs at a time, each spread over as many threads as frames are.
     pub(crate) fn new(num_workers: usize, num_threads: usize) -> Self {
-        Self { pool: OnceLock::new(), options: PoolOptions::background("repair", num_workers, num_threads) }
+        let options = PoolOptions::background("repair", num_workers, num_threads);
+        Self { pool: OnceLock::new(), options, totals: Arc::default() }
     }
 
     /// Starts the threads, unless they run.
@@ -28,6 +33,11 @@ impl RepairWorkers {
             let _ = self.pool.set(Pool::start(self.options)?);
         }
         Ok(())
+    }
+
+    /// Counts of the repairs of all sessions.
+    pub(crate) fn totals(&self) -> &Arc<Totals> {
+        &self.totals
     }
 
     /// Queues a job, once the threads are started.

@@ -18,7 +18,7 @@ use super::registration;
 use crate::service::{
     error::Refusal,
     options::ServeOptions,
-    repair::RepairWorkers,
+    repair::{Counts, RepairWorkers},
     session::{Session, Shared, Totals},
     throttle::Throttle,
 };
@@ -69,6 +69,11 @@ impl Registry {
 
     pub(crate) fn uptime(&self) -> Duration {
         self.started.elapsed()
+    }
+
+    /// Counts of the repairs of all sessions, those that have ended included.
+    pub(crate) fn repairs(&self) -> Counts {
+        self.workers.totals().counts()
     }
 
     /// Counts and times of all sessions, those that have ended included.

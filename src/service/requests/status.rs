@@ -37,6 +37,8 @@ pub(crate) struct Report {
     pub(crate) num_refused_frames: u64,
     pub(crate) num_skipped_frames: u64,
     pub(crate) num_truncated_frames: u64,
+    /// Repairs of all sessions.
+    pub(crate) repairs: Counts,
     pub(crate) stage_total_s: BTreeMap<&'static str, f64>,
     pub(crate) sessions: Vec<SessionReport>,
 }
@@ -56,7 +58,7 @@ pub(crate) struct SessionReport {
     /// Repairs that were sent, those of them that are certified, and requests that a newer one replaced while they
     /// waited; only for sessions that asked for repairs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    repairs: Option<Counts>,
+    pub(crate) repairs: Option<Counts>,
     pub(crate) rate_hz: f64,
     last_frame: Option<u64>,
     pub(crate) num_edge_face_intersections: u64,
@@ -87,6 +89,7 @@ pub(crate) fn report(registry: &Registry) -> Report {
         num_refused_frames: count(&totals.num_refused_frames),
         num_skipped_frames: count(&totals.num_skipped_frames),
         num_truncated_frames: count(&totals.num_truncated_frames),
+        repairs: registry.repairs(),
         stage_total_s: by_stage(1e9, std::array::from_fn(|k| count(&totals.stage_ns[k]))),
         sessions,
     }

@@ -106,6 +106,7 @@ impl Session {
         let mut untangler =
             Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
         untangler.set_labelled(options.has_labels());
+        untangler.set_single_precision(precision == Precision::F32);
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
         let num_vertices = mesh.num_vertices();
         let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout, options };
@@ -116,7 +117,7 @@ impl Session {
                 Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
             })?;
             let port = RepairPort::create(node, corrections.event(), &port)?;
-            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port)))
+            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port, Arc::clone(shared.workers.totals()))))
         } else {
             None
         };

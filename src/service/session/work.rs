@@ -161,6 +161,7 @@ impl Work {
     fn reset(&mut self) {
         if let Ok(mut fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
             fresh.set_labelled(self.untangler.is_labelled());
+            fresh.set_single_precision(self.untangler.is_single_precision());
             self.untangler = fresh;
         }
     }

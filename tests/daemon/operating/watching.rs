@@ -79,6 +79,8 @@ fn metrics_of_a_session_are_prometheus_text() {
         "untangled_frames_total{session=\"1\"} 4",
         "untangled_frames_refused_total{session=\"1\"} 1",
         "untangled_vertices{session=\"1\"} 25",
+        "untangled_daemon_repairs_total 0",
+        "# TYPE untangled_repairs_total counter",
         "# TYPE untangled_stage_seconds_total counter",
     ] {
         assert!(body.lines().any(|other| other == line), "{line} is missing in\n{body}");

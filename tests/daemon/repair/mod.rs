@@ -3,4 +3,5 @@
 mod auto;
 mod cloth;
 mod exchange;
+mod hostile;
 mod side_by_side;

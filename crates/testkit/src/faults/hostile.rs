@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use untangled_proto::{CorrectionHeader, PositionF32, StateHeader, Status, VertexCorrection, names};
+use untangled_proto::{CorrectionHeader, PositionF32, SessionOptions, StateHeader, Status, VertexCorrection, names};
 
 use super::{
     row::Row,
@@ -13,11 +13,20 @@ use crate::process::{Programs, RawPeer, RawSession};
 
 /// Frames whose headers and lengths lie.
 pub fn lying_headers(programs: Programs, num_tries: u64, seed: u64) -> Row {
+    lies("frame whose header or length lies", 0, programs, num_tries, seed)
+}
+
+/// The same in a session that may ask for repairs, and does for every other frame, but never takes one.
+pub fn lying_repair_requests(programs: Programs, num_tries: u64, seed: u64) -> Row {
+    lies("request for a repair whose header or length lies", SessionOptions::REPAIR.bits(), programs, num_tries, seed)
+}
+
+fn lies(what: &str, options: u32, programs: Programs, num_tries: u64, seed: u64) -> Row {
     let mut rng = StdRng::seed_from_u64(seed);
-    let mut row = Row { what: "frame whose header or length lies".into(), num_tries, ..Row::default() };
+    let mut row = Row { what: what.into(), num_tries, ..Row::default() };
     let (domain, daemon, witness) = bystanders(programs);
     let peer = RawPeer::new(&domain);
-    let session = peer.session(64);
+    let session = peer.session_with(64, options);
     let mut num_accepted = 0;
     for frame in 1..=num_tries {
         let is_usable = send_lie(&session, frame, &mut rng);

@@ -11,7 +11,7 @@ mod sessions;
 mod witness;
 
 pub use full_memory::{full_memory, full_memory_main};
-pub use hostile::{lying_headers, writing_after_sending};
+pub use hostile::{lying_headers, lying_repair_requests, writing_after_sending};
 pub use kills::{all_killed, client_kills, daemon_kills, stopped_clients};
 pub use limits::request_limits;
 pub use row::Row;

@@ -88,9 +88,17 @@ impl RawPeer {
 
     /// Registers a session of one face, and makes room for `max_vertices` in its states.
     pub fn session(&self, max_vertices: usize) -> RawSession {
+        self.session_with(max_vertices, 0)
+    }
+
+    /// As [`RawPeer::session`], with option bits of the registration, but none that make corrections sparse.
+    pub fn session_with(&self, max_vertices: usize, options: u32) -> RawSession {
         let params = RegisterParams { num_vertices: 3, precision: 0, correction: 3, ..RegisterParams::default() };
         let mut writer = SectionWriter::default();
         writer.bytes(id::PARAMS, params.to_bytes().to_vec()).u32s(id::TRIANGLES, &[[0, 1, 2]]);
+        if options != 0 {
+            writer.bytes(id::OPTIONS, options.to_le_bytes().to_vec());
+        }
         let (payload, num_sections) = writer.finish();
         let (reply, _) = self.request(header(RequestKind::Register as u32, num_sections), &payload).expect("a reply");
         assert_eq!(reply.status, 0);

@@ -15,18 +15,18 @@
 //! | `settle` | shape recovery once nothing intersects |
 //! | `solver` | all plans, one after the other |
 //! | `clearance` | primitives that are nearer than a gap are set apart |
-//! | `coupled` | the coupled response of one frame |
+//! | `proposal` | what one frame proposes as a displacement, judged before it goes out |
 //!
 //! A row uses those above it only.
 
 mod clearance;
 mod constraints;
-mod coupled;
 mod energy;
 mod escape;
 mod flattening;
 mod outcome;
 mod plan;
+mod proposal;
 mod relaxer;
 mod resolve;
 mod settings;
@@ -41,8 +41,8 @@ use crate::mesh::Mesh;
 
 pub use clearance::{Clearance, ClearanceObstacle, InfeasiblePlace, open_gap};
 pub use constraints::STRETCH_LIMIT;
-pub use coupled::CoupledStep;
 pub use outcome::{BlockedPath, Iteration, Method, RelaxError, Relaxation};
+pub(crate) use proposal::{AnalysedFrame, Proposer};
 pub use settings::{Effort, RelaxSettings};
 
 /// Moves vertices until nothing intersects, or nothing helps any more. `positions` are in metres, `num_vertices x 3`.

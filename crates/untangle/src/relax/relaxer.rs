@@ -9,38 +9,26 @@ use super::{
     constraints::{Orientation, StrainLimits},
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
-    settings::{RelaxSettings, ShouldStop},
+    settings::{RelaxSettings, ShouldStop, StopObserver},
     sides::SideTracker,
     step::{
-        Groups, Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, is_movable, measure, num_movable,
-        remove_pinned_chains,
+        Islands, Precision, Seams, Tangle, Trial, TrialContext, TrialSettings, choose_together, is_movable, measure,
+        num_movable, remove_pinned_chains,
     },
 };
 use crate::{
     analysis::Analyser,
     correspond::Correspondent,
     frame::Frame,
-    intersect::{Intersections, Intersector},
+    intersect::{Intersections, Intersector, SearchLimits},
     mesh::{Mesh, VertexId},
     paths::{IntersectionPaths, PathFinder},
     settings::{InsideChoice, Settings},
     sparse_map::SparseMap,
-    stage::{Stage, StageObserver},
 };
 
 /// The caller's function that is told of each iteration, and may end the work.
 pub(super) type Progress<'p> = dyn FnMut(&Iteration) -> ControlFlow<()> + 'p;
-
-/// Ends an analysis that is to stop: what it leaves out is not used.
-pub(super) struct StopObserver<'s>(pub(super) &'s ShouldStop<'s>);
-
-impl StageObserver for StopObserver<'_> {
-    fn begin(&mut self, _: Stage) {}
-    fn end(&mut self) {}
-    fn is_spent(&mut self) -> bool {
-        (self.0)()
-    }
-}
 
 /// One relaxation under way.
 pub(super) struct Relaxer<'a> {
@@ -171,10 +159,12 @@ impl<'a> Relaxer<'a> {
             passing: &self.passing,
             now: &self.now,
             edge_length_m: self.edge_length_m,
-            single_precision: self.settings.single_precision,
-            should_stop: self.should_stop,
+            precision: if self.settings.single_precision { Precision::Single } else { Precision::Double },
+            search_limits: SearchLimits::NONE,
         };
-        self.trials.par_iter_mut().zip(settings).for_each(|(trial, settings)| trial.run(&context, *settings));
+        let should_stop = self.should_stop;
+        let trials = self.trials.par_iter_mut().zip(settings);
+        trials.for_each(|(trial, settings)| trial.run(&context, *settings, should_stop));
     }
 
     /// Whether nothing intersects that a motion can change, and no free vertex is inside of a body.
@@ -195,31 +185,7 @@ impl<'a> Relaxer<'a> {
     pub(super) fn choose(&self, choose: impl Fn(&[usize]) -> Option<usize>) -> (Vec<Option<usize>>, Vec<Point3<f64>>) {
         let Self { mesh, domain, islands, limits, frame, .. } = self;
         let seams = Seams { mesh, domain, islands, limits, before: frame.positions() };
-        let mut groups = Groups::of_single_islands(islands.len() + 1);
-        let mut choice = vec![None; islands.len() + 1];
-        loop {
-            for group in groups.members() {
-                let chosen = choose(&group);
-                for island in group {
-                    choice[island] = chosen;
-                }
-            }
-            let positions = self.positions_of(&choice);
-            if !groups.join_torn(&seams, &positions) {
-                return (choice, positions);
-            }
-        }
-    }
-
-    /// The present positions, with each island moved by the trial that was chosen for it.
-    fn positions_of(&self, choice: &[Option<usize>]) -> Vec<Point3<f64>> {
-        let mut positions = self.frame.positions().to_vec();
-        for &vertex in self.domain.vertices() {
-            if let Some(index) = choice[self.islands.of(vertex)] {
-                positions[vertex.index()] = self.trials[index].best.positions[vertex.index()];
-            }
-        }
-        positions
+        choose_together(&seams, &self.trials, choose)
     }
 
     /// Notes the analysed state after an iteration.

@@ -4,17 +4,12 @@ use super::{
     constraints::{ConstraintSource, Objective, collect, collect_beside_bodies},
     outcome::{BestState, End, Method, RelaxError},
     plan::{Pace, StallCriterion, trials},
-    relaxer::{Progress, Relaxer, StopObserver},
-    settings::Effort,
+    relaxer::{Progress, Relaxer},
+    settings::{Effort, StopObserver},
     sides::SideRows,
-    step::{TrialSettings, least_tangled, total},
+    step::{TrialSettings, least_tangled, mark_passing, total},
 };
-use crate::{
-    analysis::Analysis,
-    geometry::mean_edge_length,
-    mesh::{Mesh, VertexId},
-    sparse_map::SparseMap,
-};
+use crate::geometry::mean_edge_length;
 
 /// Width of the k-ring round the constraints that may move.
 const DOMAIN_RINGS: usize = 14;
@@ -122,19 +117,6 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     mark_passing(mesh, analysis, &mut relaxer.passing);
     relaxer.edge_length_m =
         mean_edge_length(mesh, frame, analysis.paths.segments.iter().map(|segment| segment.own)).unwrap_or(0.0);
-}
-
-/// Marks where the sheets are to pass through each other: along the paths and inside of them.
-fn mark_passing(mesh: &Mesh, analysis: &Analysis, passing: &mut SparseMap<VertexId, ()>) {
-    passing.reset(mesh.num_vertices());
-    for segment in &analysis.intersections.segments {
-        for vertex in segment.faces.into_iter().flat_map(|face| mesh.face(face)) {
-            passing.set(vertex, ());
-        }
-    }
-    for &vertex in &analysis.regions.vertices {
-        passing.set(vertex, ());
-    }
 }
 
 /// The method of the objective that took away most of the tangle.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::stage::{Stage, StageObserver};
+
 /// Time against result: how many trial displacements an iteration makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -15,8 +17,19 @@ pub enum Effort {
     Accurate,
 }
 
-/// The caller's function that says whether the work is to end.
+/// The caller's function that says whether the work is to end, asked from several threads.
 pub(super) type ShouldStop<'s> = dyn Fn() -> bool + Sync + 's;
+
+/// Ends an analysis or a search that is to stop: what it leaves out is not used.
+pub(super) struct StopObserver<'s>(pub(super) &'s (dyn Fn() -> bool + 's));
+
+impl StageObserver for StopObserver<'_> {
+    fn begin(&mut self, _: Stage) {}
+    fn end(&mut self) {}
+    fn is_spent(&mut self) -> bool {
+        (self.0)()
+    }
+}
 
 /// What a caller chooses.
 #[derive(Clone, Debug, PartialEq)]

@@ -31,6 +31,8 @@ pub struct Responder {
     identity: Option<MeshIdentity>,
     labeller: Labeller,
     is_labelled: bool,
+    /// Copies in the order of work that the last frame had time for.
+    num_done: usize,
 }
 
 impl Responder {
@@ -68,6 +70,7 @@ impl Responder {
             }
             Response::Contour | Response::Mask => (self.correspondent.clear(), analysis.regions.num_done),
         };
+        self.num_done = num_done;
         observer.begin(Stage::Respond);
         set_flags(mesh, analysis, settings.path_rings, &mut self.corrections, &mut self.front);
         if self.is_labelled {
@@ -85,23 +88,36 @@ impl Responder {
         &self.corrections
     }
 
-    /// The correspondences behind the last corrections, and a way to add displacements of one step, in metres, to these
-    /// corrections; [`list_touched`](Self::list_touched) has to follow.
-    pub(crate) fn displacement_adder<'a>(
-        &'a mut self,
-        mesh: &'a Mesh,
-    ) -> (&'a Correspondences, impl FnMut(VertexId, Vector3<f64>)) {
-        let Self { corrections, correspondent, .. } = self;
-        let add = move |vertex: VertexId, displacement: Vector3<f64>| {
-            *corrections.force_mut(vertex) += displacement * mass_kg(mesh, vertex);
-            corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
-        };
-        (correspondent.found(), add)
+    /// Replaces the values of the corrections by those of another response to the same frame, of one that has the same
+    /// correspondences. Flags and labels stay, but for `CLAMPED`.
+    pub(crate) fn respond_as(
+        &mut self,
+        response: Response,
+        mesh: &Mesh,
+        frame: &Frame,
+        analysis: &Analysis,
+        settings: &Settings,
+    ) {
+        let settings = Settings { response, ..settings.clone() };
+        self.corrections.clear_values();
+        let view = AnalysedFrame { mesh, frame, analysis, settings: &settings };
+        self.path_forces.sum(&view, self.correspondent.found(), self.num_done, &mut ());
+        self.path_forces.finish(mesh, frame, &mut self.corrections);
+        self.corrections.keep_finite();
+        self.corrections.list_touched();
     }
 
-    /// Brings the list of touched vertices up to date.
-    pub(crate) fn list_touched(&mut self) {
-        self.corrections.list_touched();
+    /// Replaces the values of the corrections by displacements of one step, in metres, one for each of some vertices.
+    pub(crate) fn displace(&mut self, mesh: &Mesh, vertices: &[VertexId], displacements: &[Vector3<f64>]) {
+        let Self { corrections, .. } = self;
+        corrections.clear_values();
+        for (&vertex, displacement) in vertices.iter().zip(displacements) {
+            if *displacement != Vector3::zeros() {
+                *corrections.force_mut(vertex) = displacement * mass_kg(mesh, vertex);
+                corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
+            }
+        }
+        corrections.list_touched();
     }
 
     /// The last corrections.
@@ -176,6 +192,19 @@ impl Corrections {
         if !self.max_displacement_m.is_finite() {
             self.max_displacement_m = 0.0;
         }
+    }
+
+    /// Makes all values zero. Flags stay, but for that of values that were limited.
+    ///
+    /// Cost: linear in the vertices that were touched.
+    fn clear_values(&mut self) {
+        for vertex in &self.touched {
+            self.forces[vertex.index()] = Vector3::zeros();
+            self.flags[vertex.index()].0 &= !VertexFlags::CLAMPED.0;
+        }
+        self.net_force = Vector3::zeros();
+        self.net_torque = Vector3::zeros();
+        self.max_displacement_m = 0.0;
     }
 
     /// Makes them those of a mesh, all zero but for the flags of pinned vertices.

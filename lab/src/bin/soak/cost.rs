@@ -97,7 +97,8 @@ pub(crate) fn huge_main(domain: &str) {
     }
 }
 
-fn latencies(session: &mut Session, positions: &[[f32; 3]]) -> Vec<f64> {
+/// Times of 500 exchanges in microseconds.
+pub(crate) fn latencies(session: &mut Session, positions: &[[f32; 3]]) -> Vec<f64> {
     let mut once = || {
         let begin = Instant::now();
         session.exchange(STEP, PATIENCE, |out| out.copy_from_slice(positions)).expect("an answer");

@@ -20,6 +20,7 @@ mod cost;
 mod frames;
 mod plan;
 mod programs;
+mod repairs;
 mod round_trips;
 mod rows;
 
@@ -77,10 +78,11 @@ fn make_tables(plan: &Plan) {
         let _ = writeln!(text, "{line}");
     }
     type Section = (&'static str, &'static str, fn() -> Vec<String>);
-    let sections: [Section; 4] = [
+    let sections: [Section; 5] = [
         ("round-trip", "Round trip", || round_trips::round_trips(PROGRAMS, echo)),
         ("allocations", "Allocations for each frame after warm-up", cost::allocations_per_frame),
         ("fairness", "Fairness", || vec![cost::fairness(PROGRAMS)]),
+        ("repairs", "Repairs beside frames", || repairs::beside_frames(PROGRAMS)),
         ("idle", "An idle daemon", || vec![cost::idle(PROGRAMS)]),
     ];
     for (_, title, make) in sections.into_iter().filter(|(name, ..)| plan.wants(name)) {

@@ -11,7 +11,7 @@ use untangled_testkit::{
 use crate::{plan::Plan, programs::PROGRAMS};
 
 /// Names of all rows, in the order of the table.
-pub(crate) const ROWS: [&str; 14] = [
+pub(crate) const ROWS: [&str; 15] = [
     "client-kills",
     "daemon-kills",
     "all-killed",
@@ -20,6 +20,7 @@ pub(crate) const ROWS: [&str; 14] = [
     "full-memory",
     "after-sending",
     "lying-headers",
+    "lying-repairs",
     "request-limits",
     "fuzz-ingest",
     "fuzz-register",
@@ -39,6 +40,7 @@ pub(crate) fn make_row(name: &str, plan: &Plan) -> Option<Row> {
         "full-memory" => return faults::full_memory(this_program("full-memory", &[])),
         "after-sending" => faults::writing_after_sending(PROGRAMS, plan.count(2000), plan.seed),
         "lying-headers" => faults::lying_headers(PROGRAMS, plan.count(20_000), plan.seed),
+        "lying-repairs" => faults::lying_repair_requests(PROGRAMS, plan.count(20_000), plan.seed),
         "request-limits" => faults::request_limits(PROGRAMS),
         "fuzz-ingest" => fuzzed(plan, Target::Ingest, 150_000),
         "fuzz-register" => fuzzed(plan, Target::Register, 225_000),

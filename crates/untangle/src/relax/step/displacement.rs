@@ -9,7 +9,6 @@ use nalgebra::{Matrix3, Vector3};
 use crate::relax::{
     constraints::{Constraints, LocalConstraints, row_value},
     energy::{ArapEnergy, StiffnessMatrix},
-    settings::ShouldStop,
 };
 
 /// Weight of the constraints against the displacement of one vertex.
@@ -85,7 +84,7 @@ impl DisplacementSolver {
         max_stretch: f64,
         constraints: &Constraints,
         start: Start,
-        should_stop: &ShouldStop<'_>,
+        should_stop: &dyn Fn() -> bool,
     ) -> bool {
         self.constraints.set(constraints, energy.domain);
         self.resize(energy, start);
@@ -128,7 +127,7 @@ impl DisplacementSolver {
         energy: &ArapEnergy<'_>,
         stiffness: f64,
         matrix: &StiffnessMatrix,
-        should_stop: &ShouldStop<'_>,
+        should_stop: &dyn Fn() -> bool,
     ) -> bool {
         // Each step begins where the last one ended: the remaining residuals get ever smaller, and need no more digits.
         let mut target = None;
@@ -186,7 +185,7 @@ impl DisplacementSolver {
         &mut self,
         matrix: &StiffnessMatrix,
         target: &mut Option<f64>,
-        should_stop: &ShouldStop<'_>,
+        should_stop: &dyn Fn() -> bool,
     ) {
         self.begin_residual(matrix);
         self.precond.copy_from_slice(&self.residual);

@@ -18,6 +18,8 @@ pub(crate) struct Islands {
     num_islands: usize,
     /// Disjoint sets of copies and vertices inside of bodies: the parent of each, or itself.
     parents: Vec<usize>,
+    /// The number of each root.
+    numbers: Vec<Option<u32>>,
 }
 
 impl Islands {
@@ -84,20 +86,21 @@ impl Islands {
 
     /// Replaces copies by islands, numbered in the order of their lowest copy.
     fn number_islands(&mut self, num_copies: usize) {
-        let mut numbers: Vec<Option<u32>> = vec![None; num_copies];
+        self.numbers.clear();
+        self.numbers.resize(num_copies, None);
         let mut next = 0;
         for copy in 0..num_copies {
             let root = self.root(copy);
-            let number = *numbers[root].get_or_insert_with(|| {
+            let number = *self.numbers[root].get_or_insert_with(|| {
                 next += 1;
                 next - 1
             });
-            numbers[copy] = Some(number);
+            self.numbers[copy] = Some(number);
         }
         self.num_islands = next as usize;
         for index in 0..self.labels.keys().len() {
             let label = self.labels.entry(self.labels.keys()[index]);
-            *label = numbers[*label as usize].expect("each copy of a path is in an island");
+            *label = self.numbers[*label as usize].expect("each copy of a path is in an island");
         }
     }
 

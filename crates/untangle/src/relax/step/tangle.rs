@@ -1,5 +1,7 @@
 //! How tangled a state is, island by island.
 
+use std::ops::AddAssign;
+
 use nalgebra::Point3;
 
 use super::{
@@ -9,8 +11,8 @@ use super::{
 use crate::{
     frame::Frame,
     geometry::perimeter,
-    intersect::{Intersections, SegmentEnd},
-    mesh::{FaceId, Mesh},
+    intersect::{Intersections, Segment, SegmentEnd},
+    mesh::{FaceId, Mesh, VertexId},
     relax::sides::SideTracker,
 };
 
@@ -44,6 +46,16 @@ impl Tangle {
     }
 }
 
+impl AddAssign for Tangle {
+    fn add_assign(&mut self, other: Self) {
+        self.num_edge_face += other.num_edge_face;
+        self.length_edges += other.length_edges;
+        self.length_m += other.length_m;
+        self.num_wrong += other.num_wrong;
+        self.depth_edges += other.depth_edges;
+    }
+}
+
 /// Measures all intersections that a motion can change, and what is inside of bodies, island by island; the last entry
 /// is for those near no island.
 pub(crate) fn measure(
@@ -67,15 +79,11 @@ pub(crate) fn measure(
         tangles[island].num_edge_face += 1;
     }
     for segment in found.segments.iter().filter(|segment| !are_faces_pinned(mesh, segment.faces)) {
-        let [a, b] = segment.ends.map(|end| position(frame, found, end));
-        let length = (b - a).norm();
-        let edges = segment.faces.map(|face| perimeter(mesh.face(face).map(|vertex| frame.position(vertex))) / 3.0);
         let [first, second] = segment.faces;
         let tangle = &mut tangles[island_of(if mesh.is_body_face(first) { second } else { first })];
-        tangle.length_m += length;
-        if edges[0] + edges[1] > 0.0 {
-            tangle.length_edges += 2.0 * length / (edges[0] + edges[1]);
-        }
+        let (length_m, length_edges) = lengths(mesh, frame, found, segment);
+        tangle.length_m += length_m;
+        tangle.length_edges += length_edges;
     }
     for (vertex, way, edge_m) in sides.map(|sides| sides.wrong(frame.positions())).into_iter().flatten() {
         let tangle = &mut tangles[islands.of(vertex)];
@@ -84,15 +92,53 @@ pub(crate) fn measure(
     }
 }
 
+/// Measures all intersections that a motion can change as [`measure`] does, but counts each for every island that it
+/// touches by a vertex, and in `all` once.
+pub(crate) fn measure_touched(
+    mesh: &Mesh,
+    frame: &Frame,
+    found: &Intersections,
+    islands: &Islands,
+    tangles: &mut Vec<Tangle>,
+    all: &mut Tangle,
+) {
+    tangles.clear();
+    tangles.resize(islands.len() + 1, Tangle::default());
+    *all = Tangle::default();
+    let mut count = |vertices: &[VertexId], part: Tangle| {
+        *all += part;
+        for (index, &vertex) in vertices.iter().enumerate() {
+            let island = islands.of(vertex);
+            if vertices[..index].iter().all(|&other| islands.of(other) != island) {
+                tangles[island] += part;
+            }
+        }
+    };
+    for crossing in found.edge_face.iter().filter(|crossing| is_movable(mesh, crossing)) {
+        let ([a, b], [c, d, e]) = (mesh.edge(crossing.edge), mesh.face(crossing.face));
+        count(&[a, b, c, d, e], Tangle { num_edge_face: 1, ..Tangle::default() });
+    }
+    for segment in found.segments.iter().filter(|segment| !are_faces_pinned(mesh, segment.faces)) {
+        let (length_m, length_edges) = lengths(mesh, frame, found, segment);
+        let [[a, b, c], [d, e, f]] = segment.faces.map(|face| mesh.face(face));
+        count(&[a, b, c, d, e, f], Tangle { length_edges, length_m, ..Tangle::default() });
+    }
+}
+
+/// The length of a segment in metres, and in edges of the two faces.
+fn lengths(mesh: &Mesh, frame: &Frame, found: &Intersections, segment: &Segment) -> (f64, f64) {
+    let [a, b] = segment.ends.map(|end| position(frame, found, end));
+    let length_m = (b - a).norm();
+    let edges = segment.faces.map(|face| perimeter(mesh.face(face).map(|vertex| frame.position(vertex))) / 3.0);
+    let sum = edges[0] + edges[1];
+    (length_m, if sum > 0.0 { 2.0 * length_m / sum } else { 0.0 })
+}
+
 /// The sum over all islands.
 pub(crate) fn total(tangles: &[Tangle]) -> Tangle {
     let mut sum = Tangle::default();
     for tangle in tangles {
-        sum.num_edge_face += tangle.num_edge_face;
-        sum.length_edges += tangle.length_edges;
-        sum.length_m += tangle.length_m;
-        sum.num_wrong += tangle.num_wrong;
-        sum.depth_edges += tangle.depth_edges;
+        sum += *tangle;
     }
     sum
 }

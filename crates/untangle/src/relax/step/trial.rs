@@ -7,18 +7,18 @@ use super::{
     damping::{Backtracking, Damping},
     displacement::{DisplacementSolver, Start},
     islands::Islands,
-    precision::stored,
+    precision::Precision,
     tangle::{Tangle, measure},
 };
 use crate::{
     correspond::MaterialPoint,
     frame::Frame,
-    intersect::{Intersections, Intersector},
+    intersect::{Intersections, Intersector, SearchEnd, SearchLimits},
     mesh::{Mesh, VertexId},
     relax::{
         constraints::{Constraints, Objective, StrainLimits},
         energy::{ArapEnergy, Domain},
-        settings::ShouldStop,
+        settings::StopObserver,
         sides::SideTracker,
     },
     sparse_map::SparseMap,
@@ -60,8 +60,9 @@ pub(crate) struct TrialContext<'a> {
     pub(crate) now: &'a [Tangle],
     /// Mean edge length of the faces that intersect, in metres.
     pub(crate) edge_length_m: f64,
-    pub(crate) single_precision: bool,
-    pub(crate) should_stop: &'a ShouldStop<'a>,
+    pub(crate) precision: Precision,
+    /// Where a search for intersections ends.
+    pub(crate) search_limits: SearchLimits,
 }
 
 /// A state that is judged island by island.
@@ -94,34 +95,34 @@ pub(crate) struct Trial {
 
 impl Trial {
     /// Finds the displacement that satisfies the constraints, with its contacts, and the best step along it.
-    pub(crate) fn run(&mut self, context: &TrialContext<'_>, settings: TrialSettings) {
-        self.is_usable = self.displace(context, settings);
+    ///
+    /// Nothing in it is usable where `should_stop` ends the work before a first step is judged.
+    pub(crate) fn run(&mut self, context: &TrialContext<'_>, settings: TrialSettings, should_stop: &dyn Fn() -> bool) {
+        self.is_usable = self.displace(context, settings, should_stop);
         if self.is_usable {
             self.best.positions.clone_from(&self.step.positions);
             self.best.tangles.clone_from(&self.step.tangles);
             self.best.strains.clone_from(&self.step.strains);
-            self.line_search(context);
+            self.line_search(context, should_stop);
         }
     }
 
     /// Finds the displacement and makes the step; again, where it meets something. False where the numbers don't allow
     /// it.
-    fn displace(&mut self, context: &TrialContext<'_>, settings: TrialSettings) -> bool {
+    fn displace(
+        &mut self,
+        context: &TrialContext<'_>,
+        settings: TrialSettings,
+        should_stop: &dyn Fn() -> bool,
+    ) -> bool {
         for round in 0..=CONTACT_ROUNDS {
             let start = if round > 0 { Start::Warm } else { Start::Cold };
             let TrialSettings { stiffness, max_stretch, .. } = settings;
-            if !self.solver.solve(
-                &context.energy,
-                stiffness,
-                max_stretch,
-                &self.constraints,
-                start,
-                context.should_stop,
-            ) {
+            if !self.solver.solve(&context.energy, stiffness, max_stretch, &self.constraints, start, should_stop) {
                 return false;
             }
             self.limit_length(context);
-            if !self.judge(context) {
+            if !self.judge(context, should_stop) {
                 return false;
             }
             if round == CONTACT_ROUNDS || !self.add_contacts(context) {
@@ -132,16 +133,16 @@ impl Trial {
     }
 
     /// Halves the displacement as long as it does not help every island, and keeps the best step of each island.
-    fn line_search(&mut self, context: &TrialContext<'_>) {
+    fn line_search(&mut self, context: &TrialContext<'_>, should_stop: &dyn Fn() -> bool) {
         for _ in 0..MAX_HALVINGS {
             let helps = |(best, now): (&Tangle, &Tangle)| best.is_none() || best.merit() < now.merit();
-            if self.best.tangles.iter().zip(context.now).all(helps) || (context.should_stop)() {
+            if self.best.tangles.iter().zip(context.now).all(helps) || should_stop() {
                 break;
             }
             for displacement in &mut self.solver.displacement {
                 *displacement *= 0.5;
             }
-            if !self.judge(context) {
+            if !self.judge(context, should_stop) {
                 break;
             }
             self.keep_better(context);
@@ -166,13 +167,17 @@ impl Trial {
     }
 
     /// Makes the step and measures where it leads; false where the numbers don't allow it.
-    fn judge(&mut self, context: &TrialContext<'_>) -> bool {
+    fn judge(&mut self, context: &TrialContext<'_>, should_stop: &dyn Fn() -> bool) -> bool {
         let TrialContext { energy: ArapEnergy { mesh, domain, .. }, islands, limits, .. } = *context;
         self.make_step(context);
         if self.frame.set(mesh, self.step.positions.iter().map(|point| (*point).into())).is_err() {
             return false;
         }
-        self.intersector.intersect(mesh, &self.frame, &mut self.found);
+        let (search_limits, mut observer) = (context.search_limits, StopObserver(should_stop));
+        let end = self.intersector.intersect_within(mesh, &self.frame, search_limits, &mut observer, &mut self.found);
+        if end != SearchEnd::Complete {
+            return false;
+        }
         measure(mesh, &self.frame, &self.found, context.sides, islands, &mut self.step.tangles);
         island_strains(mesh, domain, islands, limits, &self.step.positions, &mut self.step.strains);
         true
@@ -188,8 +193,8 @@ impl Trial {
         self.damping.reset(vertices.len());
         for round in 0.. {
             for (local, &vertex) in vertices.iter().enumerate() {
-                let point = before[vertex.index()] + self.solver.displacement[local] * self.damping.factor(local);
-                self.step.positions[vertex.index()] = stored(point, context.single_precision);
+                let displacement = self.solver.displacement[local] * self.damping.factor(local);
+                self.step.positions[vertex.index()] = context.precision.moved(before[vertex.index()], displacement);
             }
             self.violated.clear();
             let is_violated = |vertex| limits.is_violated(mesh, before, &self.step.positions, vertex);

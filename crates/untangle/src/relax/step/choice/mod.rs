@@ -9,4 +9,4 @@ mod groups;
 mod selection;
 
 pub(crate) use groups::{Groups, Seams};
-pub(crate) use selection::least_tangled;
+pub(crate) use selection::{choose_together, least_tangled};

@@ -1,5 +1,8 @@
 //! The best of several trials, for one group of islands.
 
+use nalgebra::Point3;
+
+use super::groups::{Groups, Seams};
 use crate::relax::step::{tangle::Tangle, trial::Trial};
 
 /// Strains beyond this logarithm count against a state that still intersects: what is crushed now blocks the next
@@ -21,6 +24,41 @@ pub(crate) fn least_tangled(trials: &[Trial], now: &[Tangle], group: &[usize], m
         }
     }
     best.2
+}
+
+/// Chooses a trial for each group of islands, and joins groups that would tear the cloth between them. Gives back the
+/// choice for each island, and for what lies near none, and where it leads.
+pub(crate) fn choose_together(
+    seams: &Seams<'_>,
+    trials: &[Trial],
+    choose: impl Fn(&[usize]) -> Option<usize>,
+) -> (Vec<Option<usize>>, Vec<Point3<f64>>) {
+    let num_islands = seams.islands.len() + 1;
+    let mut groups = Groups::of_single_islands(num_islands);
+    let mut choice = vec![None; num_islands];
+    loop {
+        for group in groups.members() {
+            let chosen = choose(&group);
+            for island in group {
+                choice[island] = chosen;
+            }
+        }
+        let positions = positions_of(seams, trials, &choice);
+        if !groups.join_torn(seams, &positions) {
+            return (choice, positions);
+        }
+    }
+}
+
+/// The positions before the step, with each island moved by the trial that was chosen for it.
+fn positions_of(seams: &Seams<'_>, trials: &[Trial], choice: &[Option<usize>]) -> Vec<Point3<f64>> {
+    let mut positions = seams.before.to_vec();
+    for &vertex in seams.domain.vertices() {
+        if let Some(index) = choice[seams.islands.of(vertex)] {
+            positions[vertex.index()] = trials[index].best.positions[vertex.index()];
+        }
+    }
+    positions
 }
 
 fn merit(tangles: &[Tangle], group: &[usize]) -> f64 {
