@@ -1,16 +1,16 @@
 //! The judge: exact tests of whether a cloth touches or crosses itself. It shares no code with the untangler, on
 //! purpose, so that a fault of the untangler can't hide itself.
 //!
-//! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), or of a polynomial in whole numbers,
-//! and a sign of zero means *on*.
+//! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), or of a polynomial in whole
+//! numbers, and a sign of zero means *on*.
 //! There is no perturbation and no tolerance. Three questions are answered:
 //!
 //! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets.
 //!   Touching counts.
 //! - [`crossings`]: which triangles cross *properly*, so that no small motion parts them. Touching does not count.
 //!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles.
-//! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they are
-//!   not.
+//! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they
+//!   are not.
 //!
 //! Pairs come from a tree of boxes, whose comparisons are exact too.
 

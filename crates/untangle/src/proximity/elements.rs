@@ -1,4 +1,5 @@
-//! The vertices and edges of each leaf of the tree, each in the first leaf that has it, so that no pair is tested twice.
+//! The vertices and edges of each leaf of the tree, each in the first leaf that has it, so that no pair is tested
+//! twice.
 
 use rayon::prelude::*;
 
