@@ -65,22 +65,28 @@ class Mesh:
         return seconds, least
 
 
+def untangled(program, *arguments):
+    """The JSON document of a command."""
+    words = [str(word) for word in (program, *arguments, "--json", "--weld", "off")]
+    return json.loads(subprocess.run(words, capture_output=True, check=False).stdout)
+
+
 def row(program, path, folder):
     given = read(path)
     if given is None:
         print(f"SKIPPED: {path.name} has polygons that are no triangles", file=sys.stderr)
         return
-    mean_edge = Mesh(*given).mean_edge
+    mean_edge = float(Mesh(*given).mean_edge)
+    tenth = 0.1 * mean_edge
     for part in (0.01, 0.1):
         gap, out = part * mean_edge, folder / "out.obj"
-        command = [program, "fix", path, "-o", out, "--overwrite", "--json", "--weld", "off", "--gap", repr(gap)]
-        report = json.loads(subprocess.run(command, capture_output=True, check=False).stdout)
+        report = untangled(program, "fix", path, "-o", out, "--overwrite", "--gap", gap)
         positions, faces = read(out)
-        least = [Mesh(seen, faces).search(2 * gap)[1] / gap for seen in (positions, positions.astype(np.float32).astype(float))]
+        rounded = positions.astype(np.float32).astype(float)
+        least = [Mesh(seen, faces).search(2 * gap)[1] / gap for seen in (positions, rounded)]
         shown = [f"{value:.4f}" if np.isfinite(value) else "> 2" for value in least]
-        theirs = min(Mesh(positions, faces).search(0.1 * mean_edge)[0] for _ in range(3))
-        command = [program, "check", out, "--json", "--weld", "off", "--gap", repr(0.1 * mean_edge)]
-        ours = min(json.loads(subprocess.run(command, capture_output=True, check=False).stdout)["time_us"]["gap"] for _ in range(3))
+        theirs = min(Mesh(positions, faces).search(tenth)[0] for _ in range(3))
+        ours = min(untangled(program, "check", out, "--gap", tenth)["time_us"]["gap"] for _ in range(3))
         below = report["gap"]["num_pairs_below_before"]
         left = report["gap"]["num_pairs_below"]
         steps = sum(step["method"] == "gap" for step in report["history"])

@@ -1,9 +1,8 @@
 //! The judge: exact tests of whether a cloth touches or crosses itself. It shares no code with the untangler, on
 //! purpose, so that a fault of the untangler can't hide itself.
 //!
-//! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), or of a polynomial in whole numbers,
-//! and a sign of zero means *on*.
-//! There is no perturbation and no tolerance. Three questions are answered:
+//! Every decision is the exact sign of a determinant (Shewchuk 1997, crate `robust`), or of a polynomial in whole
+//! numbers, and a sign of zero means *on*. There is no perturbation and no tolerance. What is answered:
 //!
 //! - [`edge_face_hits`]: which edges and triangles without a common vertex have a common point, as closed sets.
 //!   Touching counts.
@@ -11,8 +10,8 @@
 //!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles. What a body
 //!   crosses of itself is left out.
 //! - [`vertices_inside`]: which vertices of a cloth are inside of a body.
-//! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they are
-//!   not.
+//! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they
+//!   are not.
 //!
 //! Pairs come from a tree of boxes, whose comparisons are exact too.
 

@@ -32,8 +32,8 @@ pub(super) struct Clearing<'a> {
 }
 
 impl Clearing<'_> {
-    /// Opens the gap of a state that is clean; of another one it only counts. Gives back the state, and its distances if
-    /// a gap was asked for.
+    /// Opens the gap of a state that is clean; of another one it only counts. Gives back the state, and its distances
+    /// if a gap was asked for.
     pub(super) fn run(
         &self,
         mut repaired: Repaired,

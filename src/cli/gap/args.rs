@@ -2,10 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::presets::Preset;
-
-/// The largest distance: that of coordinates.
-pub(super) const LARGEST_M: f64 = f64::from_bits((1023 + 250) << 52);
+use super::presets::{LARGEST_M, Preset};
 
 /// `--gap` and `--gap-for`.
 #[derive(Clone, Debug, Default, clap::Args)]

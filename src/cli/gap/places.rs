@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use untangle::{mesh::VertexId, relax::InfeasiblePlace, weld::Weld};
 
-use super::report::Side;
+use super::side::Side;
 use crate::cli::{owners::Owners, wording::Counted};
 
 /// Pairs of primitives that stayed nearer than the gap, in one place.

@@ -7,6 +7,9 @@ use std::{
 
 use serde::Serialize;
 
+/// The largest distance: that of coordinates.
+pub(super) const LARGEST_M: f64 = f64::from_bits((1023 + 250) << 52);
+
 /// A tool with a rule of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -93,7 +96,7 @@ impl FromStr for Preset {
                 .ok_or_else(|| format!("`{value}`: {key} must be a distance in metres, 0 or more"))?;
         }
         let distance_m = tool.distance_m(&numbers.iter().map(|(_, metres)| *metres).collect::<Vec<_>>());
-        if !(distance_m > 0.0 && distance_m <= super::args::LARGEST_M) {
+        if !(distance_m > 0.0 && distance_m <= LARGEST_M) {
             return Err(format!("{name} needs no distance with these numbers, or one beyond the range of coordinates"));
         }
         Ok(Self { tool, numbers, distance_m })

@@ -10,12 +10,8 @@ use untangle::{
     proximity::{Primitives, ProximityEnd, ProximityPair, ProximitySearch},
 };
 
-use super::{args::Asked, judge::GapCertificate, places::InfeasibleReport, presets::Preset};
-use crate::cli::{
-    input::Input,
-    owners::{OwnedVertex, Owners},
-    wording::Counted,
-};
+use super::{args::Asked, judge::GapCertificate, places::InfeasibleReport, presets::Preset, side::Side};
+use crate::cli::{input::Input, owners::Owners, wording::Counted};
 
 /// Most pairs that are counted: each takes a hundred bytes or two.
 const MAX_PAIRS: usize = 10_000_000;
@@ -63,19 +59,6 @@ pub struct NearestPair {
     pub kind: &'static str,
     /// Both primitives.
     pub sides: [Side; 2],
-}
-
-/// A primitive as a reader of the files finds it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Side {
-    /// The file.
-    pub file: String,
-    /// The object or group of its first vertex, if that has a name.
-    pub part: Option<String>,
-    /// Its vertices, counted from 0 over all files; of a welded one the lowest.
-    pub vertices: Vec<u32>,
-    /// The same counted from 0 in the file.
-    pub vertices_in_file: Vec<usize>,
 }
 
 /// A tool by its name, with its numbers by theirs.
@@ -137,30 +120,6 @@ impl NearestPair {
         };
         let (first, second) = vertices.split_at(num_first);
         Self { kind, sides: [first, second].map(|vertices| Side::new(vertices, owners)) }
-    }
-}
-
-impl Side {
-    pub(super) fn new(vertices: &[u32], owners: &Owners<'_>) -> Self {
-        let mut side = Self { vertices: vertices.to_vec(), ..Self::default() };
-        for OwnedVertex { file, vertex_in_file, part } in
-            owners.of_vertices(vertices.iter().copied()).into_iter().flatten()
-        {
-            if side.vertices_in_file.is_empty() {
-                (side.file, side.part) = (file, part);
-            }
-            side.vertices_in_file.push(vertex_in_file);
-        }
-        side
-    }
-}
-
-impl Display for Side {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let kind = ["vertex", "edge", "face"][self.vertices_in_file.len().clamp(1, 3) - 1];
-        let vertices: Vec<String> = self.vertices_in_file.iter().map(ToString::to_string).collect();
-        write!(f, "{kind} {} of {}", vertices.join(" "), self.file)?;
-        self.part.as_ref().map_or(Ok(()), |part| write!(f, ", {part}"))
     }
 }
 

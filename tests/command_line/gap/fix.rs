@@ -5,42 +5,8 @@ use std::{fs, path::Path};
 use serde_json::Value;
 use untangled_testkit::files::shared;
 
-use super::{rules, sheets};
+use super::{grids, rules, sheets};
 use crate::mesh_folder::{code, fix, json};
-
-/// Two grids of `cells x cells` squares, the upper one bent upwards from `height` above the flat lower one, and a bit
-/// turned.
-fn grids(cells: u32, height: f64) -> String {
-    let mut text = String::new();
-    for (index, name) in ["lower", "upper"].iter().enumerate() {
-        text += &format!("o {name}\n");
-        let turn = if index == 0 { 0.0_f64 } else { 0.1 };
-        for row in 0..=cells {
-            for column in 0..=cells {
-                let [u, v] = [column, row].map(|step| f64::from(step) / f64::from(cells) - 0.5);
-                let [x, y] = [u * turn.cos() - v * turn.sin(), u * turn.sin() + v * turn.cos()];
-                let z = 0.1 * x - 0.05 * y + if index == 0 { 0.0 } else { height + 0.002 * x * x };
-                text += &format!("v {x} {y} {z}\n");
-            }
-        }
-        let first = 1 + u32::try_from(index).unwrap() * (cells + 1) * (cells + 1);
-        for row in 0..cells {
-            for column in 0..cells {
-                let at = first + row * (cells + 1) + column;
-                text += &format!(
-                    "f {} {} {}\nf {} {} {}\n",
-                    at,
-                    at + 1,
-                    at + cells + 2,
-                    at,
-                    at + cells + 2,
-                    at + cells + 1
-                );
-            }
-        }
-    }
-    text
-}
 
 /// The gap of a repair's report, which has to be clean, and kept in both precisions by both counts.
 fn kept(report: &Value, asked_m: f64) {

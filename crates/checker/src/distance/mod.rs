@@ -1,7 +1,7 @@
 //! Which primitives of a cloth are nearer to each other than a distance, exactly.
 //!
-//! Primitives are the vertices, edges and triangles of triangles with three different vertices. Pairs are a vertex and a
-//! triangle, or two edges, without a common vertex. Each decision is a comparison of polynomials: in interval
+//! Primitives are the vertices, edges and triangles of triangles with three different vertices. Pairs are a vertex and
+//! a triangle, or two edges, without a common vertex. Each decision is a comparison of polynomials: in interval
 //! arithmetic first, and in whole numbers where the intervals overlap.
 
 mod measure;

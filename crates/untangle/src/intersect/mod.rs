@@ -26,7 +26,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use bvh::{Bvh, NodePair, PointF32};
+pub(crate) use bvh::{Aabb, AabbX8, Bvh, NodePair, PointF32, WIDTH};
 pub use exact::do_intersect;
 pub use intersections::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd};
 pub use intersector::Intersector;

@@ -9,8 +9,8 @@
 //! Distances against a given one are decided exactly as well (`distance`), without a perturbation: they are no part of
 //! the topology.
 //!
-//! The arithmetic of signs is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps coordinates
-//! in the range where that holds.
+//! The arithmetic of signs is exact as long as no product over- or underflows; [`Frame`](crate::frame::Frame) keeps
+//! coordinates in the range where that holds.
 
 pub(crate) mod distance;
 mod orientation;

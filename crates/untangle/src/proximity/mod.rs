@@ -9,16 +9,16 @@
 //! | file | purpose |
 //! |---|---|
 //! | `pair` | the pairs, and their closest points |
-//! | `owners` | which face of the tree tests a vertex or an edge |
-//! | `candidates` | pairs of two faces whose boxes come near each other |
+//! | `elements` | the vertices and edges of each leaf of the tree, with their boxes |
+//! | `candidates` | pairs of two leaves whose boxes come near each other |
 //! | `search` | all pairs below a distance |
 //! | `nearest` | the nearest pair, by branch and bound |
 //!
 //! A row uses those above it only.
 
 mod candidates;
+mod elements;
 mod nearest;
-mod owners;
 mod pair;
 mod search;
 #[cfg(test)]

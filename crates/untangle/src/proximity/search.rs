@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::{
     candidates::Candidates,
+    elements::Elements,
     nearest::{Bound, LeafNearest, Nearest, SubtreeNearest},
-    owners::Owners,
     pair::ProximityPair,
 };
 use crate::{
@@ -33,7 +33,7 @@ pub enum ProximityEnd {
 #[derive(Debug, Default)]
 pub struct ProximitySearch {
     bvh: Bvh,
-    owners: Owners,
+    elements: Elements,
     subtrees: Vec<NodePair>,
 }
 
@@ -100,13 +100,14 @@ impl ProximitySearch {
     /// Fits the tree to a frame.
     fn prepare(&mut self, mesh: &Mesh, frame: &Frame) {
         if self.bvh.prepare(mesh, frame) {
-            self.owners = Owners::new(mesh, &self.bvh);
+            self.elements = Elements::new(mesh, &self.bvh);
         }
         self.bvh.refit(frame);
+        self.elements.refit(self.bvh.points_f32());
     }
 
     fn candidates<'a>(&'a self, mesh: &'a Mesh) -> Candidates<'a> {
-        Candidates { mesh, bvh: &self.bvh, owners: &self.owners }
+        Candidates { mesh, bvh: &self.bvh, elements: &self.elements }
     }
 }
 

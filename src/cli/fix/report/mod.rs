@@ -36,8 +36,8 @@ pub struct Report {
     pub files: Vec<String>,
     /// The outputs, named in the same way.
     pub outputs: Vec<String>,
-    /// Whether exact checks of the outputs, read back, found no intersection, nor primitives nearer than the gap: by the
-    /// library as they are, and by the judge for all readers.
+    /// Whether exact checks of the outputs, read back, found no intersection, nor primitives nearer than the gap: by
+    /// the library as they are, and by the judge for all readers.
     pub clean: bool,
     /// The bodies, if any were given.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    aabb::{Aabb, AabbX8, FAR_ROUNDING, WIDTH, max},
+    aabb::{Aabb, AabbX8, FAR_ROUNDING, WIDTH, max, min},
     traverse::{ABOVE_DIAGONAL, DIAGONAL},
     tree::{Bvh, NodePair},
 };
@@ -23,10 +23,21 @@ impl Bvh {
         margin.min(0.25 * f32::MAX)
     }
 
-    /// What rounds a coordinate of a magnitude, beyond the [margin](Self::margin_f32).
+    /// A box that is larger by a [margin](Self::margin_f32) on every side, and by what rounds far coordinates.
     #[inline(always)]
-    pub(crate) fn rounding_of_far(&self, magnitude: f32) -> f32 {
-        if self.has_far { FAR_ROUNDING * magnitude } else { 0.0 }
+    pub(crate) fn inflated(&self, aabb: &Aabb, margin: f32) -> Aabb {
+        let rounding = if self.has_far { FAR_ROUNDING } else { 0.0 };
+        let grown = |value: f32| margin + rounding * value.abs();
+        Aabb {
+            min: std::array::from_fn(|axis| max(aabb.min[axis] - grown(aabb.min[axis]), f32::MIN)),
+            max: std::array::from_fn(|axis| min(aabb.max[axis] + grown(aabb.max[axis]), f32::MAX)),
+        }
+    }
+
+    /// The boxes of the faces of a leaf.
+    #[inline(always)]
+    pub(crate) fn face_boxes(&self, leaf: u32) -> &AabbX8 {
+        &self.levels[0][leaf as usize]
     }
 
     /// The leaves, each against itself.

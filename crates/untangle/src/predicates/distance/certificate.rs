@@ -5,7 +5,7 @@
 //!
 //! Both hold for any weights and any direction; those of the closest points make them sharp.
 
-use super::{Point, dot};
+use super::vector::{Point, dot};
 
 /// Error bound, relative to the sums of magnitudes. With `u = 2^-53`: a difference of coordinates is off by `u` of
 /// itself. A weighted sum of up to four of them adds four roundings, and its length three: at most `13 u` of the length

@@ -3,7 +3,7 @@
 //! Weights are never negative and never NaN, and at least one is positive. Nothing else is promised: rounding may lead
 //! to points that are not the closest ones, which the certificates find out.
 
-use super::{Point, difference, dot};
+use super::vector::{Point, difference, dot};
 
 /// The weights of a triangle's corners in the point that is closest to a vertex.
 #[inline]

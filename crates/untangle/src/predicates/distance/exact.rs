@@ -13,7 +13,7 @@ use std::ops::Sub;
 
 use num_bigint::{BigInt, Sign};
 
-use super::Point;
+use super::vector::Point;
 
 /// A vector with whole coordinates.
 #[derive(Clone)]

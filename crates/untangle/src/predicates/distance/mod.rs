@@ -9,6 +9,7 @@
 //!
 //! | file | purpose |
 //! |---|---|
+//! | `vector` | vectors of doubles |
 //! | `closest` | closest points in floating point, without any promise |
 //! | `certificate` | proofs of "nearer" and "not nearer" from them |
 //! | `exact` | the answer in whole numbers |
@@ -18,13 +19,12 @@ mod closest;
 mod exact;
 #[cfg(test)]
 mod tests;
+mod vector;
 
 pub(crate) use closest::{edge_edge_weights, vertex_face_weights};
 
 use certificate::{are_middles_apart, decide};
-
-/// A position in metres.
-pub(crate) type Point = [f64; 3];
+use vector::{Point, difference};
 
 /// Whether the distance of a point and a triangle is less than `distance_m`, which is taken as it is, to the bit. Two
 /// in one place are at distance zero.
@@ -65,14 +65,4 @@ fn edge_differences([a, b]: [Point; 2], [c, d]: [Point; 2]) -> [Point; 4] {
 fn edge_weights(first: [Point; 2], second: [Point; 2]) -> [f64; 4] {
     let [[a, b], [c, d]] = edge_edge_weights(first, second);
     [a * c, a * d, b * c, b * d]
-}
-
-#[inline]
-fn difference(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline]
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

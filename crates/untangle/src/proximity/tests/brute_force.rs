@@ -101,7 +101,7 @@ fn nearest_is_the_least_distance_of_a_loop_over_all() {
 
 #[test]
 fn nearest_of_one_face_or_of_an_ignored_one_is_none() {
-    for faces in [vec![[0, 1, 2]], vec![[0, 0, 1]]] {
+    for faces in [vec![[0, 1, 2]], vec![[0, 1, 2], [0, 0, 3]]] {
         let mesh = Mesh::new(MeshDescription { num_vertices: 4, faces, ..Default::default() }).unwrap();
         let frame = Frame::new(&mesh, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.1, 0.1]]).unwrap();
         let mut found = Vec::new();
