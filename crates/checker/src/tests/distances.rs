@@ -48,3 +48,13 @@ fn near_pairs_of_degenerate_primitives_and_extreme_sizes_are_ordinary() {
         assert_eq!((found.num_vertex_triangle, found.num_edge_edge), (4, 6));
     }
 }
+
+#[test]
+fn near_pairs_of_two_bodies_do_not_count_and_those_with_cloth_do() {
+    let (positions, triangles) = lid(0.125);
+    let total = |first_body| near_pairs(&positions, &triangles, first_body, 0.2).unwrap().total();
+    assert_eq!((total(3), total(2), total(0)), (5, 5, 0));
+    // The floor as the cloth: its two triangles have no near pair among themselves.
+    let two_bodies = [[4, 5, 6], [0, 1, 2], [0, 2, 3]];
+    assert_eq!(near_pairs(&positions, &two_bodies, 1, 0.2).unwrap().total(), 5);
+}

@@ -30,6 +30,11 @@ fn all_pairs(mesh: &Mesh) -> Vec<Primitives> {
 
 /// A bent grid, and loose triangles over it. A face with a repeated vertex and a vertex of no face are among them.
 fn scene(seed: u64, scale: f64, offset: f64) -> (Mesh, Frame) {
+    scene_with_bodies(seed, scale, offset, 0)
+}
+
+/// The same, so many of the loose triangles being bodies.
+fn scene_with_bodies(seed: u64, scale: f64, offset: f64, num_bodies: u32) -> (Mesh, Frame) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     let size = 6_u32;
@@ -58,7 +63,10 @@ fn scene(seed: u64, scale: f64, offset: f64) -> (Mesh, Frame) {
     for value in positions.as_flattened_mut() {
         *value = *value * scale + offset;
     }
-    let mesh = Mesh::new(MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }).unwrap();
+    let first = (size + 1) * (size + 1);
+    let body = (first..first + 3 * num_bodies).collect();
+    let description = MeshDescription { num_vertices: positions.len(), faces, body, ..Default::default() };
+    let mesh = Mesh::new(description).unwrap();
     let frame = Frame::new(&mesh, &positions).unwrap();
     (mesh, frame)
 }
@@ -84,6 +92,21 @@ fn find_gives_the_pairs_of_a_loop_over_all_at_every_scale_and_distance() {
         assert_eq!(found.len(), all.len());
         let limited = search.find(&mesh, &frame, 100.0 * scale, all.len() - 1, &mut found);
         assert_eq!((limited, found.len()), (ProximityEnd::TooManyPairs, 0));
+    }
+}
+
+#[test]
+fn find_and_nearest_with_bodies_leave_out_pairs_of_two() {
+    for (seed, num_bodies) in [(1, 1), (2, 12), (3, 25)] {
+        let (mesh, frame) = scene_with_bodies(seed, 1.0, 0.0, num_bodies);
+        let has_cloth = |pair: &Primitives| pair.vertices(&mesh).any(|vertex| !mesh.is_body(vertex));
+        let all: Vec<Primitives> = all_pairs(&mesh).into_iter().filter(has_cloth).collect();
+        let mut found = Vec::new();
+        let mut search = ProximitySearch::default();
+        search.find(&mesh, &frame, 0.5, usize::MAX, &mut found);
+        assert_eq!(found.len(), all.iter().filter(|pair| pair.are_nearer(&mesh, &frame, 0.5)).count());
+        let least = all.iter().map(|pair| pair.distance_m(&mesh, &frame)).fold(f64::INFINITY, f64::min);
+        assert_eq!(search.nearest(&mesh, &frame).unwrap().distance_m.to_bits(), least.to_bits());
     }
 }
 
