@@ -27,7 +27,7 @@ use super::{
     input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
-    roles::{Bodies, BodyCounts, RoleArgs},
+    roles::{BodyCounts, LayerReport, RoleArgs, Roles},
     weld::WeldArg,
 };
 use meetings::Meeting;
@@ -60,7 +60,7 @@ pub struct CheckArgs {
     /// none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
-    /// Files that are not cloth
+    /// What files are beside cloth
     #[command(flatten)]
     pub roles: RoleArgs,
     /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
@@ -132,20 +132,21 @@ fn check_within(
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
-    let bodies = Bodies::read(roles, weld)?;
+    let roles = Roles::read(roles, &meshes, weld)?;
     clock.start(StageTimes::MESH);
-    let input = Input::new(&meshes, bodies.join(files, &meshes)?, weld)?;
+    let input = Input::new(&meshes, roles.join(files, &meshes)?, weld)?;
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
     clock.start(StageTimes::CERTIFY);
-    let certificate = Certificate::of(&meshes, &bodies, &input);
+    let certificate = Certificate::of(&meshes, &roles, &input);
     StageObserver::end(&mut clock);
     // What is said of the mesh is said of the cloth.
-    let cloth = if bodies.is_empty() { None } else { Some(Input::new(&meshes, input::join(files, &meshes)?, weld)?) };
+    let cloth = if roles.has_no_body() { None } else { Some(Input::new(&meshes, input::join(files, &meshes)?, weld)?) };
     let shape = cloth.as_ref().unwrap_or(&input);
     let mut report = Report::new(files, shape, &input.weld, &analysis, certificate, clock.times, list_face_pairs);
-    report.bodies = bodies.reports();
+    report.bodies = roles.reports();
+    report.layers = LayerReport::of(&roles, &input);
     report.body_counts = BodyCounts::of(&input, &analysis.intersections);
-    report.meetings = Meeting::of(&analysis, &Owners::new(meshes.iter().chain(&bodies.files)));
+    report.meetings = Meeting::of(&analysis, &Owners::new(meshes.iter().chain(&roles.bodies)));
     Ok((report, analysis))
 }
 
