@@ -14,7 +14,7 @@ use serde::Serialize;
 use untangled_checker::{CheckError, PolygonRef, fan_crossings, polygon_crossings, vertices_inside};
 use untangled_mesh_io::MeshFile;
 
-use super::{input::Input, roles::Bodies, wording::Counted};
+use super::{input::Input, roles::Roles, wording::Counted};
 
 /// Crossings by reader. Touching is no crossing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -40,10 +40,10 @@ pub struct Certificate {
 
 impl Certificate {
     /// Judges the world of `files` and bodies. What bodies cross of themselves is left out.
-    pub(super) fn of(files: &[MeshFile], bodies: &Bodies, input: &Input) -> Self {
-        let surface = Surface::new(files, bodies, input);
+    pub(super) fn of(files: &[MeshFile], roles: &Roles, input: &Input) -> Self {
+        let surface = Surface::new(files, roles, input);
         let single = surface.in_single_precision();
-        let inside = |surface: &Surface| (!bodies.is_empty()).then(|| surface.num_vertices_inside());
+        let inside = |surface: &Surface| (!roles.has_no_body()).then(|| surface.num_vertices_inside());
         Self {
             num_vertices_inside_body: inside(&surface),
             num_vertices_inside_body_single: single.as_ref().and_then(inside),
@@ -133,7 +133,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    pub(super) fn new(files: &[MeshFile], bodies: &Bodies, Input { weld, positions, .. }: &Input) -> Self {
+    pub(super) fn new(files: &[MeshFile], roles: &Roles, Input { weld, positions, .. }: &Input) -> Self {
         let (mut triangles, mut corners, mut polygons) = (Vec::new(), Vec::new(), Vec::new());
         let mut first = 0;
         // Vertices that are welded within a distance are judged as one, in one place. Those in exactly one place need
@@ -146,7 +146,7 @@ impl Surface {
             (Box::new(|vertex| weld.first(weld.of(vertex))), weld.welded_vertices().iter().map(place).collect())
         };
         let mut first_of_bodies = [0; 2];
-        for (number, file) in files.iter().chain(&bodies.files).enumerate() {
+        for (number, file) in files.iter().chain(&roles.bodies).enumerate() {
             let of_world = |vertex: &u32| name(vertex + first);
             let own = file.polygons();
             let mut start = triangles.len();

@@ -6,7 +6,7 @@
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
-//! | `roles` | bodies beside the cloth: `--body` |
+//! | `roles` | bodies beside the cloth, and layers: `--body`, `--layers` |
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
 //! | `gap` | `--gap`: the distance that primitives keep |

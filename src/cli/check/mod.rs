@@ -28,7 +28,7 @@ use super::{
     input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
-    roles::{Bodies, BodyCounts, RoleArgs},
+    roles::{BodyCounts, LayerReport, RoleArgs, Roles},
     weld::WeldArg,
 };
 use meetings::Meeting;
@@ -65,7 +65,7 @@ pub struct CheckArgs {
     /// `--gap` and `--gap-for`.
     #[command(flatten)]
     pub gap: GapArgs,
-    /// Files that are not cloth
+    /// What files are beside cloth
     #[command(flatten)]
     pub roles: RoleArgs,
     /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
@@ -142,23 +142,24 @@ fn check_within(
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
-    let bodies = Bodies::read(roles, weld)?;
+    let roles = Roles::read(roles, &meshes, weld)?;
     clock.start(StageTimes::MESH);
-    let input = Input::new(&meshes, bodies.join(files, &meshes)?, weld)?;
+    let input = Input::new(&meshes, roles.join(files, &meshes)?, weld)?;
     let analysis = analyse_within(files, &input, max_face_pairs, &mut clock)?;
     clock.start(StageTimes::CERTIFY);
-    let certificate = Certificate::of(&meshes, &bodies, &input);
-    let owners = Owners::new(meshes.iter().chain(&bodies.files));
+    let certificate = Certificate::of(&meshes, &roles, &input);
+    let owners = Owners::new(meshes.iter().chain(&roles.bodies));
     if gap.is_some() {
         clock.start(StageTimes::GAP);
     }
     let gap = gap.map(|asked| GapReport::of(&asked, &input, &owners)).transpose()?;
     StageObserver::end(&mut clock);
     // What is said of the mesh is said of the cloth.
-    let cloth = if bodies.is_empty() { None } else { Some(Input::new(&meshes, input::join(files, &meshes)?, weld)?) };
+    let cloth = if roles.has_no_body() { None } else { Some(Input::new(&meshes, input::join(files, &meshes)?, weld)?) };
     let shape = cloth.as_ref().unwrap_or(&input);
     let mut report = Report::new(files, shape, &input.weld, &analysis, certificate, clock.times, list_face_pairs);
-    report.bodies = bodies.reports();
+    report.bodies = roles.reports();
+    report.layers = LayerReport::of(&roles, &input);
     report.body_counts = BodyCounts::of(&input, &analysis.intersections);
     report.meetings = Meeting::of(&analysis, &owners);
     report.gap = gap;

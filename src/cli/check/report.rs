@@ -21,7 +21,7 @@ use crate::cli::{
     certificate::Certificate,
     gap::GapReport,
     input::Input,
-    roles::{BodyCounts, BodyReport, say_bodies},
+    roles::{BodyCounts, BodyReport, LayerReport, num_behind, say_bodies, say_layers},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -71,6 +71,9 @@ pub struct Report {
     /// The bodies, if any were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bodies: Option<Vec<BodyReport>>,
+    /// The layers, if the files are layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<Vec<LayerReport>>,
     /// What cloth and bodies have with each other; nothing without bodies.
     #[serde(flatten)]
     pub body_counts: Option<BodyCounts>,
@@ -219,15 +222,18 @@ impl Report {
             meetings: Vec::new(),
             gap: None,
             bodies: None,
+            layers: None,
             body_counts: None,
             verbose: false,
             time_us,
         }
     }
 
-    /// Whether nothing intersects, and no vertex of the cloth is inside of a body.
+    /// Whether nothing intersects, and no vertex of the cloth is inside of a body or behind an inner layer.
     pub(super) fn is_clean(&self) -> bool {
-        self.num_face_pairs == 0 && self.body_counts.is_none_or(|counts| counts.num_vertices_inside_body == 0)
+        self.num_face_pairs == 0
+            && self.body_counts.is_none_or(|counts| counts.num_vertices_inside_body == 0)
+            && num_behind(self.layers.as_deref()) == 0
     }
 
     /// The document on one line.
@@ -270,6 +276,7 @@ impl Display for Report {
             let pairs = Counted(num_body_face_pairs, "intersecting face pair");
             writeln!(f, "  {pairs} with bodies, {} inside of a body", Counted(num_vertices_inside_body, "vertex"))?;
         }
+        say_layers(f, self.layers.as_deref())?;
         if self.is_clean() && !self.certificate.is_clean() {
             write!(f, "  but not for every reader:\n{}", self.certificate)?;
         }

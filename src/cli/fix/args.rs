@@ -58,7 +58,7 @@ pub struct FixArgs {
     /// many METRES, or none (`off`)
     #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
     pub weld: WeldArg,
-    /// Files that are not cloth
+    /// What files are beside cloth
     #[command(flatten)]
     pub roles: RoleArgs,
     /// `--gap` and `--gap-for`.

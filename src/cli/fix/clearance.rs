@@ -66,7 +66,7 @@ impl Clearing<'_> {
         progress: &mut Progress,
     ) -> Result<(GapCertificate, Vec<InfeasiblePlace>), FixError> {
         let judge =
-            |written: &Written| GapCertificate::of(self.repair.files, self.repair.bodies, &written.input, distance_m);
+            |written: &Written| GapCertificate::of(self.repair.files, self.repair.roles, &written.input, distance_m);
         let mut certificate = judge(&repaired.written);
         let mut places: Vec<InfeasiblePlace> = Vec::new();
         for _ in 0..MOST_ROUNDS {

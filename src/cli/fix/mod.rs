@@ -34,7 +34,7 @@ use untangled_mesh_io::MeshFile;
 
 pub use args::{FixArgs, QualityArg};
 pub use error::FixError;
-pub use report::{Blocked, Counts, Distortion, Report};
+pub use report::{Blocked, Counts, Distortion, LayerChange, Report};
 
 use super::{
     certificate::Certificate,
@@ -42,7 +42,7 @@ use super::{
     input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
-    roles::Bodies,
+    roles::Roles,
 };
 use clearance::Clearing;
 use plan::{Job, check_movable, plan};
@@ -68,16 +68,16 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let mut progress = Progress::new();
     progress.say("reading");
     let files = input::read_files(&args.files)?;
-    let bodies = Bodies::read(&args.roles, args.weld)?;
-    let (jobs, report_target) = plan(args, &files, &bodies)?;
-    let (input, pins) = world(args, &files, &bodies)?;
+    let roles = Roles::read(&args.roles, &files, args.weld)?;
+    let (jobs, report_target) = plan(args, &files, &roles)?;
+    let (input, pins) = world(args, &files, &roles)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = count(args, &files, &bodies, &input)?;
+    let before = count(args, &files, &roles, &input)?;
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let repair =
-        Repair { files: &files, bodies: &bodies, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+        Repair { files: &files, roles: &roles, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
     let repaired = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {
@@ -96,7 +96,8 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_certified() && gap.as_ref().is_none_or(GapReport::is_kept),
-        bodies: bodies.reports(),
+        bodies: roles.reports(),
+        layers: LayerChange::of(&before, &after),
         num_welded_vertices: input.weld.num_merged(),
         num_zeroed_coordinates: input.num_zeroed_coordinates(),
         time_limit_reached,
@@ -130,14 +131,14 @@ fn persist(
 }
 
 /// Counts what intersects in the input.
-fn count(args: &FixArgs, files: &[MeshFile], bodies: &Bodies, input: &Input) -> Result<Counts, FixError> {
+fn count(args: &FixArgs, files: &[MeshFile], roles: &Roles, input: &Input) -> Result<Counts, FixError> {
     let analysis = analyse_within(&args.files, input, args.max_face_pairs, &mut ())?;
-    Ok(Counts::new(&analysis, input, Certificate::of(files, bodies, input)))
+    Ok(Counts::new(&analysis, roles, input, Certificate::of(files, roles, input)))
 }
 
 /// The files and the bodies as one world, and the pinned vertices of the files.
-fn world(args: &FixArgs, files: &[MeshFile], bodies: &Bodies) -> Result<(Input, Vec<u32>), FixError> {
-    let mut world = bodies.join(&args.files, files)?;
+fn world(args: &FixArgs, files: &[MeshFile], roles: &Roles) -> Result<(Input, Vec<u32>), FixError> {
+    let mut world = roles.join(&args.files, files)?;
     let num_vertices = files.iter().map(|file| file.positions().len()).sum();
     let pins = args.pin.as_deref().map(|path| pins::read(path, num_vertices)).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);

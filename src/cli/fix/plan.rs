@@ -8,7 +8,7 @@ use std::{
 
 use untangled_mesh_io::{MeshFile, Output, WriteError};
 
-use crate::cli::{input::Input, roles::Bodies};
+use crate::cli::{input::Input, roles::Roles};
 
 use super::{args::FixArgs, error::FixError, target::Target};
 
@@ -28,10 +28,10 @@ pub(super) struct Job<'a> {
 pub(super) fn plan<'a>(
     args: &FixArgs,
     files: &'a [MeshFile],
-    bodies: &Bodies,
+    roles: &Roles,
 ) -> Result<(Vec<Job<'a>>, Option<Target>), FixError> {
     let inputs: Vec<&Path> = files.iter().flat_map(MeshFile::source_files).chain(args.pin.as_deref()).collect();
-    let inputs: Vec<&Path> = inputs.into_iter().chain(bodies.files.iter().flat_map(MeshFile::source_files)).collect();
+    let inputs: Vec<&Path> = inputs.into_iter().chain(roles.bodies.iter().flat_map(MeshFile::source_files)).collect();
     let target = |path: PathBuf| Target::new(path, &inputs, args.overwrite);
     let groups: Vec<(PathBuf, &[MeshFile])> = if fs::metadata(&args.out).is_ok_and(|metadata| metadata.is_dir()) {
         let name = |file: &MeshFile| args.out.join(file.path().file_name().unwrap_or_default());

@@ -9,11 +9,11 @@ use untangle::{
     intersect::{Intersections, Intersector},
     mesh::{Mesh, VertexId},
     relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
-    sides::Sides,
+    sides::{Layers, Sides},
 };
 use untangled_mesh_io::{MeshFile, read_mesh};
 
-use crate::cli::{certificate::Certificate, input::Input, roles::Bodies};
+use crate::cli::{certificate::Certificate, input::Input, roles::Roles};
 
 use super::{
     error::FixError,
@@ -67,7 +67,7 @@ impl Repaired {
 #[derive(Debug)]
 pub(super) struct Repair<'a> {
     pub(super) files: &'a [MeshFile],
-    pub(super) bodies: &'a Bodies,
+    pub(super) roles: &'a Roles,
     pub(super) jobs: &'a [Job<'a>],
     pub(super) pins: &'a [u32],
     pub(super) settings: RelaxSettings,
@@ -107,12 +107,12 @@ impl Repair<'_> {
             meshes.push(mesh);
             staged.push(file);
         }
-        let mut world = self.bodies.join(&names, &meshes).map_err(FixError::ReadBack)?;
+        let mut world = self.roles.join(&names, &meshes).map_err(FixError::ReadBack)?;
         world.description.pins = self.pins.to_vec();
         // What was one place is one place: the weld of the input is that of the output.
         let input = Input::with_weld(&meshes, world, start.weld.clone()).map_err(FixError::ReadBack)?;
         let analysis = analyse(&input.mesh, &input.frame);
-        let counts = Counts::new(&analysis, &input, Certificate::of(&meshes, self.bodies, &input));
+        let counts = Counts::new(&analysis, self.roles, &input, Certificate::of(&meshes, self.roles, &input));
         Ok(Written { staged, counts, analysis, input })
     }
 
@@ -133,7 +133,7 @@ impl Repair<'_> {
         let mut counts = before.clone();
         for _ in 0..MOST_ROUNDS {
             let start = next.as_ref().unwrap_or(input);
-            let Some(view) = View::of(self.files, self.bodies, self.pins, start, &counts) else { break };
+            let Some(view) = View::of(self.files, self.roles, self.pins, start, &counts) else { break };
             let round = self.round(start, &view, &mut history, &mut *solver, interrupt, progress)?;
             // Rounding or another diagonal brought intersections back: the next round starts from what was read back.
             time_limit_reached |= round.interrupted;
@@ -241,17 +241,19 @@ impl Repair<'_> {
     }
 }
 
-/// How far a state is from clean: what intersects in it or is inside of a body first, then what readers find.
+/// How far a state is from clean: what intersects in it or is on the wrong side first, then what readers find.
 fn rank(counts: &Counts) -> (usize, usize) {
-    (counts.num_edge_face_intersections + counts.num_inside(), counts.certificate.total())
+    (counts.num_edge_face_intersections + counts.num_wrong(), counts.certificate.total())
 }
 
-/// Whether positions in memory have no intersection, and no vertex inside of a body.
+/// Whether positions in memory have no intersection, and no vertex on the wrong side.
 fn is_clean(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<bool, FixError> {
     let frame = Frame::new(mesh, positions).map_err(|source| FixError::Relax(source.into()))?;
     let mut intersections = Intersections::default();
     Intersector::default().intersect(mesh, &frame, &mut intersections);
     let sides = Sides::of(mesh, &frame);
-    let is_outside = sides.is_none_or(|sides| sides.wrong_vertices(mesh, &frame).is_empty());
-    Ok(intersections.edge_face.is_empty() && is_outside)
+    let is_outside = sides.as_ref().is_none_or(|sides| sides.wrong_vertices(mesh, &frame).is_empty());
+    let layers = Layers::of(mesh, &frame, sides.as_ref());
+    let is_in_order = layers.is_none_or(|layers| layers.behind(mesh, frame.positions()).is_empty());
+    Ok(intersections.edge_face.is_empty() && is_outside && is_in_order)
 }

@@ -12,7 +12,7 @@ use untangled_mesh_io::MeshFile;
 use crate::cli::{
     certificate::{Surface, single},
     input::Input,
-    roles::Bodies,
+    roles::Roles,
 };
 
 use super::report::Counts;
@@ -32,13 +32,7 @@ pub(super) struct View {
 impl View {
     /// The view of a state in which there is something to resolve; `counts` are those of the state. Nothing if every
     /// reader finds it clean, or if what a reader finds can't be shown to the relaxation.
-    pub(super) fn of(
-        files: &[MeshFile],
-        bodies: &Bodies,
-        pins: &[u32],
-        state: &Input,
-        counts: &Counts,
-    ) -> Option<Self> {
+    pub(super) fn of(files: &[MeshFile], roles: &Roles, pins: &[u32], state: &Input, counts: &Counts) -> Option<Self> {
         let certificate = &counts.certificate;
         if !counts.is_clean() {
             return Some(Self { mesh: state.mesh.clone(), frame: state.frame.clone(), single_precision: false });
@@ -52,23 +46,23 @@ impl View {
             return Some(Self { mesh: state.mesh.clone(), frame, single_precision: true });
         }
         let single_precision = certificate.num_polygon_pairs == 0;
-        Self::split_otherwise(files, bodies, pins, state, single_precision)
+        Self::split_otherwise(files, roles, pins, state, single_precision)
     }
 
     /// The state with polygons that cross split so that most intersects.
     fn split_otherwise(
         files: &[MeshFile],
-        bodies: &Bodies,
+        roles: &Roles,
         pins: &[u32],
         state: &Input,
         single_precision: bool,
     ) -> Option<Self> {
-        let surface = Surface::new(files, bodies, state);
+        let surface = Surface::new(files, roles, state);
         let surface = if single_precision { surface.in_single_precision()? } else { surface };
         let pairs = surface.polygon_pairs();
         let num_corners = |polygon: &u32| surface.polygons[*polygon as usize][0].len();
         let most = pairs.iter().flatten().map(num_corners).max()?.min(MOST_FANS);
-        let mut world = bodies.join(&[], files).ok()?.description;
+        let mut world = roles.join(&[], files).ok()?.description;
         world.pins = pins.to_vec();
         let mut best: Option<(usize, Self)> = None;
         for start in 0..most {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use untangled_checker::{NearPairs, near_pairs};
 use untangled_mesh_io::MeshFile;
 
-use crate::cli::{certificate::single, input::Input, roles::Bodies};
+use crate::cli::{certificate::single, input::Input, roles::Roles};
 
 /// Pairs of primitives that are nearer than asked for, by a judge that shares no code with the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -18,10 +18,10 @@ pub struct GapCertificate {
 
 impl GapCertificate {
     /// Judges the world of `files` and bodies, whose welded vertices are one.
-    pub(in crate::cli) fn of(files: &[MeshFile], bodies: &Bodies, input: &Input, distance_m: f64) -> Self {
+    pub(in crate::cli) fn of(files: &[MeshFile], roles: &Roles, input: &Input, distance_m: f64) -> Self {
         let positions = input.weld.gather(&input.positions);
         let (mut triangles, mut first) = (Vec::new(), 0);
-        for file in files.iter().chain(&bodies.files) {
+        for file in files.iter().chain(&roles.bodies) {
             triangles.extend(file.faces().iter().map(|face| face.map(|vertex| input.weld.of(vertex + first).0)));
             first += u32::try_from(file.positions().len()).unwrap_or(u32::MAX);
         }

@@ -1,12 +1,15 @@
-//! What cloth and bodies have with each other.
+//! What cloth and bodies have with each other, and what is behind an inner layer.
 
 use std::fmt::{self, Formatter};
 
 use serde::Serialize;
 
-use untangle::{intersect::Intersections, sides::Sides};
+use untangle::{
+    intersect::Intersections,
+    sides::{Layers, Sides},
+};
 
-use super::BodyReport;
+use super::{BodyReport, Roles};
 use crate::cli::{input::Input, wording::Counted};
 
 /// Numbers of a state with bodies.
@@ -41,6 +44,45 @@ pub(in crate::cli) fn say_bodies(f: &mut Formatter<'_>, bodies: Option<&[BodyRep
             write!(f, ": {pairs} of its own, which do not count")?;
         }
         writeln!(f)?;
+    }
+    Ok(())
+}
+
+/// A layer and what of it is behind a layer that lies further in.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LayerReport {
+    /// The file as it was named; bytes that are not UTF-8 are replaced.
+    pub file: String,
+    /// Its vertices that are behind a layer before it.
+    pub num_vertices_behind: usize,
+}
+
+impl LayerReport {
+    /// One entry for each file; nothing without layers.
+    pub(in crate::cli) fn of(roles: &Roles, Input { weld, mesh, frame, .. }: &Input) -> Option<Vec<Self>> {
+        let numbers = mesh.layers()?;
+        let report = |(file, _): &(String, usize)| Self { file: file.clone(), num_vertices_behind: 0 };
+        let mut reports: Vec<Self> = roles.layers.iter().map(report).collect();
+        if let Some(layers) = Layers::of(mesh, frame, Sides::of(mesh, frame).as_ref()) {
+            for wrong in layers.behind(mesh, frame.positions()) {
+                if let Some(report) = reports.get_mut(numbers[wrong.vertex.index()] as usize) {
+                    report.num_vertices_behind += weld.copies(wrong.vertex).len();
+                }
+            }
+        }
+        Some(reports)
+    }
+}
+
+/// All vertices that are behind an inner layer.
+pub(in crate::cli) fn num_behind(layers: Option<&[LayerReport]>) -> usize {
+    layers.into_iter().flatten().map(|layer| layer.num_vertices_behind).sum()
+}
+
+/// A line for each layer but the innermost, for people.
+pub(in crate::cli) fn say_layers(f: &mut Formatter<'_>, layers: Option<&[LayerReport]>) -> fmt::Result {
+    for LayerReport { file, num_vertices_behind } in layers.into_iter().flatten().skip(1) {
+        writeln!(f, "  layer {file}: {} behind the layers before it", Counted(*num_vertices_behind, "vertex"))?;
     }
     Ok(())
 }

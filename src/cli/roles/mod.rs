@@ -1,14 +1,14 @@
-//! Roles beside cloth: bodies that stay where they are.
+//! Roles of files: bodies that stay where they are, and layers in order.
 //!
 //! | file | purpose |
 //! |---|---|
-//! | `bodies` | `--body`: reading them, and putting cloth and bodies into one world |
-//! | `counts` | what cloth and bodies have with each other |
+//! | `files` | `--body`, `--layers`: reading bodies, and putting cloth and bodies into one world |
+//! | `counts` | what cloth and bodies have with each other, and what is behind an inner layer |
 
-mod bodies;
 mod counts;
+mod files;
 
-pub(super) use bodies::Bodies;
-pub use bodies::{BodyReport, RoleArgs};
-pub use counts::BodyCounts;
-pub(super) use counts::say_bodies;
+pub use counts::{BodyCounts, LayerReport};
+pub(super) use counts::{num_behind, say_bodies, say_layers};
+pub(super) use files::Roles;
+pub use files::{BodyReport, RoleArgs};

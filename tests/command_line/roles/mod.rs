@@ -1,7 +1,8 @@
-//! `--body` of `untangled check` and `untangled fix`.
+//! `--body` and `--layers` of `untangled check` and `untangled fix`.
 
 mod bodies;
 mod known_cases;
+mod layers;
 
 use std::{fs, path::Path};
 

@@ -105,7 +105,8 @@ impl<'a> Relaxer<'a> {
 
     /// The free vertices that are inside of a body.
     pub(super) fn wrong_vertices(&self) -> Vec<VertexId> {
-        self.sides.as_ref().map(|sides| sides.wrong_vertices(self.frame.positions())).unwrap_or_default()
+        let positions = self.frame.positions();
+        self.sides.as_ref().map(|sides| sides.wrong_vertices(self.mesh, positions)).unwrap_or_default()
     }
 
     /// Analyses the present state, without the chains among pinned vertices.
@@ -129,7 +130,9 @@ impl<'a> Relaxer<'a> {
     /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.
     pub(super) fn measure_islands(&mut self, reach: usize) {
         let analysis = self.analyser.last();
-        self.islands.find(self.mesh, analysis, &self.wrong_vertices(), reach);
+        let positions = self.frame.positions();
+        let wrong = self.sides.as_ref().map(|sides| sides.wrong_groups(self.mesh, positions)).unwrap_or_default();
+        self.islands.find(self.mesh, analysis, &wrong, reach);
         let found = &analysis.intersections;
         measure(self.mesh, &self.frame, found, self.sides.as_ref(), &self.islands, &mut self.now);
     }

@@ -1,7 +1,7 @@
 //! Iterations of trial displacements: analyse, try several, keep for each island of paths the one that helps most.
 
 use super::{
-    constraints::{ConstraintSource, Objective, collect, collect_beside_bodies},
+    constraints::{ConstraintSource, Objective, collect, collect_undecided},
     outcome::{BestState, End, Method, RelaxError},
     plan::{Pace, StallCriterion, trials},
     relaxer::{Progress, Relaxer},
@@ -97,8 +97,9 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     let source = ConstraintSource { mesh, frame, analysis, found, orientation: &relaxer.orientation };
     let trials = &mut relaxer.trials[..settings.len()];
     for (trial, settings) in trials.iter_mut().zip(settings) {
-        if sides.is_some() {
-            collect_beside_bodies(&mut trial.constraints, &source, settings.objective);
+        if let Some(sides) = &*sides {
+            let is_decided = |faces| sides.decides(mesh, faces);
+            collect_undecided(&mut trial.constraints, &source, settings.objective, is_decided);
         } else {
             collect(&mut trial.constraints, &source, settings.objective);
         }
@@ -111,7 +112,7 @@ fn prepare(relaxer: &mut Relaxer<'_>, settings: &[TrialSettings]) {
     let seeds = trials.iter().flat_map(|trial| trial.constraints.vertices()).chain(rows.vertices());
     relaxer.domain.grow(mesh, seeds, DOMAIN_RINGS);
     if let Some(sides) = sides {
-        rows.find_near(sides, frame, &relaxer.domain);
+        rows.find_near(sides, mesh, frame, &relaxer.domain);
         trials.iter_mut().for_each(|trial| rows.add(SIDE_GAP, &mut trial.constraints));
     }
     mark_passing(mesh, analysis, &mut relaxer.passing);

@@ -154,7 +154,8 @@ fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
         relaxer.analysis_settings.inside = wanted;
         relaxer.analyse();
     }
-    let wrong = relaxer.wrong_vertices();
+    let positions = relaxer.frame.positions();
+    let wrong = relaxer.sides.as_ref().map(|sides| sides.wrong_groups(relaxer.mesh, positions)).unwrap_or_default();
     relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), &wrong, usize::MAX / 2);
     largest
 }

@@ -23,10 +23,10 @@ const MAX_PASSED: usize = 64;
 /// Where in a face it is looked at whether the face lies inside of another body, as weights of its corners.
 const SAMPLES: [[f64; 3]; 4] = [[1.0 / 3.0; 3], [0.9, 0.05, 0.05], [0.05, 0.9, 0.05], [0.05, 0.05, 0.9]];
 
-/// The way between a point and the surface of a body.
+/// The way between a point and the surface of a body or of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
-    /// The face of the body.
+    /// The face of the body, or of the inner layer.
     pub face: FaceId,
     /// The point on it, as weights of its corners.
     pub barycentric: [f64; 3],

@@ -1,4 +1,5 @@
-//! Which vertices of a cloth are on the wrong side of a body: inside of it, how deep, and which way leads out.
+//! Which vertices of a cloth are on the wrong side: inside of a body, or behind a layer that lies further in; how deep,
+//! and which way leads out.
 //!
 //! Inside is what the faces of the bodies wind around: the generalised winding number (Jacobson, Kavan and Sorkine-
 //! Hornung 2013) of a point is the sum of the solid angles of all faces, in whole spheres. Inside of a closed piece it
@@ -19,10 +20,14 @@
 //! | `winding` | the hierarchy of the winding number |
 //! | `surface` | closest points and rays |
 //! | `body` | these together: inside or not, and the way out |
+//! | `orientation` | normals that agree from face to face |
+//! | `layers` | which vertices are behind a layer that lies further in |
 //! | `cluster` | vertices on the wrong side that edges join |
 
 mod body;
 mod cluster;
+mod layers;
+mod orientation;
 mod outwards;
 mod solid_angle;
 mod surface;
@@ -37,8 +42,11 @@ use crate::mesh::{FaceId, VertexId};
 pub(crate) use body::cloth_vertices;
 pub use body::{Sides, Way};
 pub use cluster::{WrongCluster, clusters};
+pub(crate) use layers::LayerState;
+pub use layers::Layers;
+pub(crate) use orientation::Orientation;
 
-/// A vertex of a cloth inside of a body.
+/// A vertex of a cloth inside of a body, or behind an inner layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrongSide {
     /// The vertex.

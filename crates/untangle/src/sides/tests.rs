@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{Sides, solid_angle::part_of_sphere, winding::WindingTree};
+use super::{Layers, Sides, solid_angle::part_of_sphere, winding::WindingTree};
 use crate::{
     frame::Frame,
     mesh::{Mesh, MeshDescription},
@@ -140,4 +140,47 @@ fn wrong_vertices_are_those_of_cloth_inside_and_no_vertex_of_the_body() {
     let vertices: Vec<u32> = wrong.iter().map(|wrong| wrong.vertex.0).collect();
     assert_eq!(vertices, [num_body, num_body + 2]);
     assert!((wrong[0].way.depth_m - 0.5).abs() < 0.05, "{wrong:?}");
+}
+
+/// An open tube round the third axis, of two faces for each of `around x around` squares.
+fn tube(radius: f64, [low, high]: [f64; 2], around: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let angle = |step: u32| std::f64::consts::TAU * f64::from(step) / f64::from(around);
+    let height = |row: u32| low + (high - low) * f64::from(row) / f64::from(around);
+    let rows = (0..=around).flat_map(|row| (0..around).map(move |step| (row, step)));
+    let positions =
+        rows.map(|(row, step)| [radius * angle(step).cos(), radius * angle(step).sin(), height(row)]).collect();
+    let squares = (0..around).flat_map(|row| (0..around).map(move |step| (row, step)));
+    let faces = squares.flat_map(|(row, step)| {
+        let at = |row: u32, step: u32| row * around + step % around;
+        let [a, b, c, d] = [at(row, step), at(row, step + 1), at(row + 1, step + 1), at(row + 1, step)];
+        [[a, b, c], [a, c, d]]
+    });
+    (positions, faces.collect())
+}
+
+#[test]
+fn behind_an_inner_layer_are_vertices_within_it_and_none_beyond_its_hems_however_faces_point() {
+    // The second layer begins below the first one, and ends within it.
+    let (inner, inner_faces) = tube(1.0, [-2.0, 2.0], 24);
+    for (radius, expected) in [(0.9, true), (1.1, false)] {
+        let (outer, outer_faces) = tube(radius, [-3.0, 1.0], 20);
+        for turned in [[false, false], [true, false], [false, true], [true, true]] {
+            let turn = |face: [u32; 3], is_turned: bool| if is_turned { [face[0], face[2], face[1]] } else { face };
+            let first = u32::try_from(inner.len()).unwrap();
+            let of_outer = outer_faces.iter().map(|face| turn(face.map(|corner| corner + first), turned[1]));
+            let faces = inner_faces.iter().map(|&face| turn(face, turned[0])).chain(of_outer).collect();
+            let positions = [inner.clone(), outer.clone()].concat();
+            let layers = (0..positions.len()).map(|vertex| u32::from(vertex >= inner.len())).collect();
+            let num_vertices = positions.len();
+            let description = MeshDescription { num_vertices, faces, layers: Some(layers), ..Default::default() };
+            let mesh = Mesh::new(description).unwrap();
+            let frame = Frame::new(&mesh, &positions).unwrap();
+            let behind = Layers::of(&mesh, &frame, None).unwrap().behind(&mesh, frame.positions());
+            let found: Vec<usize> = behind.iter().map(|wrong| wrong.vertex.index()).collect();
+            let is_within = |&vertex: &usize| expected && vertex >= inner.len() && positions[vertex][2] > -2.0;
+            let within: Vec<usize> = (0..num_vertices).filter(is_within).collect();
+            assert_eq!(found, within, "{radius} {turned:?}");
+            assert!(behind.iter().all(|wrong| (wrong.way.depth_m - 0.1).abs() < 0.02));
+        }
+    }
 }

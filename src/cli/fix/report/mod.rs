@@ -21,7 +21,7 @@ use crate::cli::{
     gap::GapReport,
     input::Input,
     owners::{OwnedVertex, Owners},
-    roles::{BodyCounts, BodyReport, say_bodies},
+    roles::{BodyCounts, BodyReport, LayerReport, Roles, num_behind, say_bodies, say_layers},
     wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
 };
 
@@ -42,6 +42,9 @@ pub struct Report {
     /// The bodies, if any were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bodies: Option<Vec<BodyReport>>,
+    /// The layers, if the files are layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<Vec<LayerChange>>,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
     /// Coordinates below 2^-250 m, which count as zero.
@@ -67,6 +70,36 @@ pub struct Report {
     pub history: Vec<Iteration>,
 }
 
+/// What of a layer is behind the layers before it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LayerChange {
+    /// The file as it was named.
+    pub file: String,
+    /// Vertices behind, before and after.
+    pub num_vertices_behind: Change,
+}
+
+/// A count before and after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Change {
+    /// In the inputs.
+    pub before: usize,
+    /// In the outputs, read back.
+    pub after: usize,
+}
+
+impl LayerChange {
+    /// The layers of two states; nothing without any.
+    pub(super) fn of(before: &Counts, after: &Counts) -> Option<Vec<Self>> {
+        let pairs = before.layers.as_ref()?.iter().zip(after.layers.as_ref()?);
+        let change = |(before, after): (&LayerReport, &LayerReport)| Self {
+            file: before.file.clone(),
+            num_vertices_behind: Change { before: before.num_vertices_behind, after: after.num_vertices_behind },
+        };
+        Some(pairs.map(change).collect())
+    }
+}
+
 /// Numbers of intersections of a state.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Counts {
@@ -79,29 +112,34 @@ pub struct Counts {
     /// What cloth and bodies have with each other; nothing without bodies.
     #[serde(flatten)]
     pub bodies: Option<BodyCounts>,
+    /// The layers, if the files are layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<Vec<LayerReport>>,
     /// What readers of the files find, by the judge.
     pub certificate: Certificate,
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis, input: &Input, certificate: Certificate) -> Self {
+    pub(super) fn new(analysis: &Analysis, roles: &Roles, input: &Input, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
             bodies: BodyCounts::of(input, &analysis.intersections),
+            layers: LayerReport::of(roles, input),
             certificate,
         }
     }
 
-    /// Whether there is no intersection in the files as they are, and no vertex inside of a body.
+    /// Whether there is no intersection in the files as they are, and no vertex on the wrong side.
     pub(super) fn is_clean(&self) -> bool {
-        self.num_face_pairs == 0 && self.num_inside() == 0
+        self.num_face_pairs == 0 && self.num_wrong() == 0
     }
 
-    /// Vertices of the cloth inside of a body.
-    pub(super) fn num_inside(&self) -> usize {
-        self.bodies.map_or(0, |bodies| bodies.num_vertices_inside_body)
+    /// Vertices of the cloth inside of a body, or behind an inner layer.
+    pub(super) fn num_wrong(&self) -> usize {
+        let num_inside = self.bodies.map_or(0, |bodies| bodies.num_vertices_inside_body);
+        num_inside + num_behind(self.layers.as_deref())
     }
 
     /// Whether no reader of the files finds an intersection.
@@ -237,7 +275,7 @@ impl Display for Report {
 }
 
 impl Report {
-    /// What is left with bodies, where there are any.
+    /// What is left with bodies and layers, where there are any.
     fn say_sides(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if let (Some(before), Some(after)) = (self.before.bodies, self.after.bodies) {
             say_bodies(f, self.bodies.as_deref())?;
@@ -250,7 +288,7 @@ impl Report {
                 after.num_vertices_inside_body,
             )?;
         }
-        Ok(())
+        say_layers(f, self.after.layers.as_deref())
     }
 
     /// How far the cloth moved, and how it was stretched.

@@ -2,15 +2,16 @@
 
 use nalgebra::Vector3;
 
-use super::{orientation::Orientation, rows::Constraints};
+use super::rows::Constraints;
 use crate::{
     analysis::Analysis,
     correspond::{Correspondences, MaterialPoint, PathCorrespondence},
     frame::Frame,
     geometry::mean_edge_length,
-    mesh::Mesh,
+    mesh::{FaceId, Mesh},
     paths::{PathCopy, PathPoint, PathType, SurfacePoint},
     respond::contour,
+    sides::Orientation,
 };
 
 /// Gap that is to be left between the sheets, in mean edge lengths of the faces along the path.
@@ -44,16 +45,18 @@ pub(crate) fn collect(constraints: &mut Constraints, source: &ConstraintSource<'
     collect_some(constraints, source, objective, |_| true);
 }
 
-/// As [`collect`], for paths of cloth with cloth: out of a body leads its distance field.
-pub(crate) fn collect_beside_bodies(
+/// As [`collect`], for paths between faces whose sides nothing else says: out of a body, and out from behind a layer,
+/// leads the way to its surface.
+pub(crate) fn collect_undecided(
     constraints: &mut Constraints,
     source: &ConstraintSource<'_>,
     objective: Objective,
+    is_decided: impl Fn([FaceId; 2]) -> bool,
 ) {
-    let ConstraintSource { mesh, analysis: Analysis { paths, .. }, .. } = source;
+    let Analysis { paths, .. } = source.analysis;
     collect_some(constraints, source, objective, |path| {
         let segments = &paths.segments[path.segments.clone()];
-        !segments.iter().any(|segment| mesh.is_body_face(segment.own) || mesh.is_body_face(segment.partner))
+        !segments.iter().any(|segment| is_decided([segment.own, segment.partner]))
     });
 }
 

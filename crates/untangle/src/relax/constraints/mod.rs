@@ -5,18 +5,16 @@
 //! | `rows` | the inequalities, row by row |
 //! | `from_paths` | the rows of each path, for one of three objectives |
 //! | `local` | the same rows in the numbers of a domain, for inner loops |
-//! | `orientation` | normals that agree from face to face |
 //! | `strain_limits` | steps that would crush or overstretch the cloth (Provot 1995) |
 
 mod from_paths;
 mod local;
-mod orientation;
 mod rows;
 mod strain_limits;
 
-pub(crate) use from_paths::{ConstraintSource, Objective, collect, collect_beside_bodies};
+pub(crate) use crate::sides::Orientation;
+pub(crate) use from_paths::{ConstraintSource, Objective, collect, collect_undecided};
 pub(crate) use local::{LocalConstraints, row_value};
-pub(crate) use orientation::Orientation;
 pub(crate) use rows::Constraints;
 pub use strain_limits::STRETCH_LIMIT;
 pub(crate) use strain_limits::StrainLimits;

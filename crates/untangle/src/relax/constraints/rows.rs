@@ -71,11 +71,24 @@ impl Constraints {
         self.finish_row(wanted_m);
     }
 
-    /// A point moves along `direction` by `wanted_m`.
-    pub(crate) fn push(&mut self, own: &MaterialPoint, direction: Vector3<f64>, wanted_m: f64) {
-        let weighted = own.vertices.iter().zip(own.weights).filter(|(_, weight)| *weight != 0.0);
-        self.terms.extend(weighted.map(|(&vertex, weight)| (vertex, direction * weight)));
+    /// A point moves along `direction` by `wanted_m`, more than its partner where that is no fixed point.
+    pub(crate) fn push(
+        &mut self,
+        own: &MaterialPoint,
+        partner: Option<&MaterialPoint>,
+        direction: Vector3<f64>,
+        wanted_m: f64,
+    ) {
+        self.add_terms(own, direction);
+        if let Some(partner) = partner {
+            self.add_terms(partner, -direction);
+        }
         self.finish_row(wanted_m);
+    }
+
+    fn add_terms(&mut self, point: &MaterialPoint, direction: Vector3<f64>) {
+        let weighted = point.vertices.iter().zip(point.weights).filter(|(_, weight)| *weight != 0.0);
+        self.terms.extend(weighted.map(|(&vertex, weight)| (vertex, direction * weight)));
     }
 
     /// Adds a row that is no distance between two points.

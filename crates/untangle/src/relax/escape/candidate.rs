@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use super::{
     limits::LimitedStep,
     motion::{Motion, Shadow, remaining_depth_m},
+    rows::Rows,
     score::{Score, add_moved},
 };
 use crate::{
@@ -19,8 +20,6 @@ use crate::{
     },
 };
 
-/// Edges that change their length by more than this factor get stiffer.
-const MAX_STRETCH: f64 = 1.05;
 /// The work for one displacement: steps are small, and another iteration follows.
 const NEWTON_STEPS: usize = 4;
 const CG_STEPS: usize = 40;
@@ -28,6 +27,16 @@ const CG_STEPS: usize = 40;
 const PENALTY: f64 = 62.5;
 /// How often a step is halved.
 const MAX_HALVINGS: usize = 2;
+
+/// How a candidate is found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Recipe {
+    pub(super) rows: Rows,
+    /// Its root is the length, in edges, over which a displacement decays.
+    pub(super) stiffness: f64,
+    /// Edges that change their length by more than this factor get stiffer.
+    pub(super) max_stretch: f64,
+}
 
 /// What all candidates of one iteration share.
 #[derive(Clone, Copy)]
@@ -69,12 +78,13 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// Finds the displacement for a stiffness, and the best step along it for each island.
-    pub(super) fn run(&mut self, context: &Context<'_>, constraints: &Constraints, stiffness: f64) {
+    /// Finds the displacement for a recipe, and the best step along it for each island.
+    pub(super) fn run(&mut self, context: &Context<'_>, constraints: &Constraints, recipe: Recipe) {
+        let Recipe { stiffness, max_stretch, .. } = recipe;
         self.solver.budget =
             SolverBudget { newton_steps: NEWTON_STEPS, cg_steps: CG_STEPS, penalty: PENALTY * stiffness.max(16.0) };
         self.is_usable =
-            self.solver.solve(&context.energy, stiffness, MAX_STRETCH, constraints, Start::Cold, context.should_stop)
+            self.solver.solve(&context.energy, stiffness, max_stretch, constraints, Start::Cold, context.should_stop)
                 && self.judge(context);
         if !self.is_usable {
             return;

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{
-    candidate::{Candidate, Context},
+    candidate::{Candidate, Context, Recipe},
     limits::LimitedStep,
     motion::{ContourSegment, Motion, MotionFinder, Scene, contours},
     rows::Rows,
@@ -41,6 +41,10 @@ const MIN_GAIN: f64 = 0.02;
 const STALLED: usize = 2;
 /// States with fewer edge-face intersections get more candidates.
 const FEW: usize = 400;
+
+/// Edges that change their length by more than this factor get stiffer, but where nothing else brings what is on the
+/// wrong side to the other.
+const MAX_STRETCH: f64 = 1.05;
 
 /// The candidates of an iteration, by constraints and stiffness; the root of that is the length, in edges, over which a
 /// displacement decays. The first are for all states, the next for those with few intersections, the last for those
@@ -133,19 +137,19 @@ impl Descent {
         let mut wrong = Vec::new();
         if let Some(sides) = sides {
             sides.look(frame);
-            wrong = sides.wrong_vertices(frame.positions());
+            wrong = sides.wrong_groups(mesh, frame.positions());
             self.sides.find(sides, mesh, frame, intersections);
         }
         self.num_wrong = wrong.len();
         let scene = Scene { mesh, frame, orientation: &relaxer.orientation, found: intersections };
-        let motions = find_motions(&scene, paths, self.stalled.saturating_sub(STALLED - 1));
+        let motions = find_motions(&scene, paths, sides.as_ref(), self.stalled.saturating_sub(STALLED - 1));
         let depth = motions.iter().map(|motion| motion.depth_m / motion.edge_length_m);
         let depth = depth.fold(self.sides.depth_edges(), f64::max);
         let rings = DOMAIN_RINGS + whole((RINGS_FOR_DEPTH * depth).min(MAX_DOMAIN_RINGS));
         islands.find(mesh, &self.analysis, &wrong, 2 * rings);
         domain.grow(mesh, motions.iter().flat_map(Motion::vertices).chain(self.sides.vertices()), rings);
         if let Some(sides) = sides {
-            self.sides.find_near(sides, frame, domain);
+            self.sides.find_near(sides, mesh, frame, domain);
         }
         self.motions.clear();
         for motion in motions {
@@ -190,8 +194,8 @@ impl Descent {
             should_stop: relaxer.should_stop,
         };
         let constraints = &self.constraints;
-        self.candidates.par_iter_mut().zip(&recipes).for_each(|(candidate, &(rows, stiffness))| {
-            candidate.run(&context, &constraints[rows as usize], stiffness);
+        self.candidates.par_iter_mut().zip(&recipes).for_each(|(candidate, &recipe)| {
+            candidate.run(&context, &constraints[recipe.rows as usize], recipe);
         });
         let choice: Vec<Option<usize>> = (0..self.now.len()).map(|island| self.best_for(island)).collect();
         let displacement: Vec<Vector3<f64>> = domain
@@ -208,7 +212,7 @@ impl Descent {
         positions
     }
 
-    fn recipes(&self, effort: Effort) -> Vec<(Rows, f64)> {
+    fn recipes(&self, effort: Effort) -> Vec<Recipe> {
         let has_few = effort != Effort::Fast && self.analysis.intersections.edge_face.len() < FEW;
         let [for_all, for_few, for_stalled] = RECIPES;
         let mut recipes = for_all.to_vec();
@@ -217,6 +221,13 @@ impl Descent {
         }
         if self.stalled >= STALLED {
             recipes.extend(for_stalled);
+        }
+        let recipe = |(rows, stiffness)| Recipe { rows, stiffness, max_stretch: MAX_STRETCH };
+        let mut recipes: Vec<Recipe> = recipes.into_iter().map(recipe).collect();
+        if self.num_wrong > 0 && self.stalled > 0 {
+            // A belt in a ball gets out by stretching.
+            let loose = |(rows, stiffness)| Recipe { rows, stiffness, max_stretch: f64::INFINITY };
+            recipes.extend(for_all.map(loose));
         }
         recipes
     }
@@ -239,12 +250,17 @@ impl Descent {
     }
 }
 
-/// The motions of all contours of cloth with cloth, in their order. Out of a body leads its distance field.
-fn find_motions(scene: &Scene<'_>, paths: &IntersectionPaths, variant: usize) -> Vec<Motion> {
+/// The motions of all contours, in their order, but for those where bodies or layers say who belongs on which side.
+fn find_motions(
+    scene: &Scene<'_>,
+    paths: &IntersectionPaths,
+    sides: Option<&SideTracker>,
+    variant: usize,
+) -> Vec<Motion> {
     let mut contours = contours(scene.mesh, scene.frame, paths);
-    if scene.mesh.has_body() {
-        let is_body = |segment: &ContourSegment| segment.faces.iter().any(|&face| scene.mesh.is_body_face(face));
-        contours.retain(|contour| !contour.segments.iter().any(is_body));
+    if let Some(sides) = sides {
+        let is_decided = |segment: &ContourSegment| sides.decides(scene.mesh, segment.faces);
+        contours.retain(|contour| !contour.segments.iter().any(is_decided));
     }
     let motions: Vec<Vec<Motion>> = contours
         .par_iter()

@@ -5,7 +5,7 @@ use crate::{
     analysis::Analysis,
     correspond::Correspondences,
     relax::{
-        constraints::{ConstraintSource, Constraints, Objective, collect_beside_bodies},
+        constraints::{ConstraintSource, Constraints, Objective, collect_undecided},
         relaxer::Relaxer,
         sides::SideRows,
     },
@@ -50,7 +50,8 @@ impl Rows {
                 let Relaxer { mesh, frame, orientation, .. } = relaxer;
                 let found = &Correspondences::default();
                 let source = ConstraintSource { mesh, frame, analysis, found, orientation };
-                collect_beside_bodies(constraints, &source, Objective::Shorten);
+                let is_decided = |faces| relaxer.sides.as_ref().is_some_and(|sides| sides.decides(mesh, faces));
+                collect_undecided(constraints, &source, Objective::Shorten, is_decided);
                 sides.add(0.25 * SIDE_GAP, constraints);
                 return;
             }

@@ -70,7 +70,8 @@ fn recover(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<boo
     let Some(edge_length_m) = mean_edge_length(mesh, frame, faces) else { return Ok(false) };
     let mut settling = Settling::new(relaxer, edge_length_m);
     let (mut energy, mut trust, mut num_slow) = (f64::INFINITY, TRUST, 0);
-    for _ in 0..MAX_STEPS {
+    let max_steps = MAX_STEPS.min(relaxer.settings.max_iterations.saturating_sub(relaxer.history.len()));
+    for _ in 0..max_steps {
         let moved = settling.step(relaxer, trust, &mut energy);
         if (relaxer.should_stop)() {
             return Ok(true);

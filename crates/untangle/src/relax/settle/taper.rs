@@ -28,7 +28,8 @@ const SMALL_STRAIN: f64 = 0.03;
 /// Cost: a search for intersections for each attempt.
 pub(super) fn taper(relaxer: &Relaxer<'_>) -> Option<Vec<Point3<f64>>> {
     let Relaxer { mesh, frame, sides, settings, .. } = relaxer;
-    let inside = |positions: &[Point3<f64>]| sides.as_ref().map_or(0, |sides| sides.wrong_vertices(positions).len());
+    let inside =
+        |positions: &[Point3<f64>]| sides.as_ref().map_or(0, |sides| sides.wrong_vertices(mesh, positions).len());
     let present = movable(mesh, frame);
     let num_inside = inside(frame.positions());
     let mut ended_m = PART * least_of_largest_m(relaxer)?;

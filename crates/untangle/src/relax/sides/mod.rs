@@ -1,5 +1,5 @@
-//! Sides of bodies during a relaxation: which free vertices are inside of a body, and the constraints that bring them
-//! out and keep others outside.
+//! Sides of bodies and layers during a relaxation: which free vertices are on the wrong side, and the constraints that
+//! bring them out and keep others where they are.
 //!
 //! | file | purpose |
 //! |---|---|
@@ -10,4 +10,4 @@ mod rows;
 mod tracker;
 
 pub(crate) use rows::SideRows;
-pub(crate) use tracker::SideTracker;
+pub(crate) use tracker::{SideTracker, Wrong};

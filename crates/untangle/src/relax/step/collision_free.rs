@@ -61,7 +61,9 @@ impl<'a> CollisionFreeStep<'a> {
         single_precision: bool,
         sides: Option<&SideTracker>,
     ) -> bool {
-        let inside = |positions: &[Point3<f64>]| sides.map(|sides| sides.wrong_vertices(positions)).unwrap_or_default();
+        let inside = |positions: &[Point3<f64>]| {
+            sides.map(|sides| sides.wrong_vertices(self.mesh, positions)).unwrap_or_default()
+        };
         let before = inside(positions);
         // What is left elsewhere stays, and holds up nothing.
         let mut left = Vec::new();

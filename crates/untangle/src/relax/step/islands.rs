@@ -24,18 +24,18 @@ pub(crate) struct Islands {
 
 impl Islands {
     /// Joins the paths of a frame into islands: paths are coupled if the vertices round them, or those inside of them,
-    /// meet. `wrong` are vertices inside of bodies, which are coupled in the same way, with or without a path. Then
-    /// extends the labels over the `reach`-ring round them.
+    /// meet. `wrong` are vertices on the wrong side, each with what it is behind, coupled in the same way, with or
+    /// without a path. Then extends the labels over the `reach`-ring round them.
     ///
     /// Cost: linear in the vertices that are reached.
-    pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, wrong: &[VertexId], reach: usize) {
+    pub(crate) fn find(&mut self, mesh: &Mesh, analysis: &Analysis, wrong: &[Vec<VertexId>], reach: usize) {
         self.labels.reset(mesh.num_vertices());
         let num_copies = analysis.paths.copies.len();
         self.parents.clear();
         self.parents.extend(0..num_copies + wrong.len());
         self.label_paths(mesh, analysis);
-        for (index, &vertex) in wrong.iter().enumerate() {
-            self.claim(vertex, num_copies + index);
+        for (index, group) in wrong.iter().enumerate() {
+            group.iter().for_each(|&vertex| self.claim(vertex, num_copies + index));
         }
         let mut first = 0;
         for ring in 0..ISLAND_RINGS + reach {

@@ -13,7 +13,7 @@ use crate::{
     geometry::perimeter,
     intersect::{Intersections, Segment, SegmentEnd},
     mesh::{FaceId, Mesh, VertexId},
-    relax::sides::SideTracker,
+    relax::sides::{SideTracker, Wrong},
 };
 
 /// What the depth of a vertex inside of a body, in edges, counts for beside an edge-face intersection.
@@ -26,7 +26,7 @@ pub(crate) struct Tangle {
     /// Length of the intersections, in edges of the faces that intersect.
     pub(crate) length_edges: f64,
     pub(crate) length_m: f64,
-    /// Free vertices inside of a body.
+    /// Free vertices on the wrong side: inside of a body, or behind an inner layer.
     pub(crate) num_wrong: usize,
     /// The sum of their depths, in edges.
     pub(crate) depth_edges: f64,
@@ -85,7 +85,9 @@ pub(crate) fn measure(
         tangle.length_m += length_m;
         tangle.length_edges += length_edges;
     }
-    for (vertex, way, edge_m) in sides.map(|sides| sides.wrong(frame.positions())).into_iter().flatten() {
+    for Wrong { vertex, way, edge_m, .. } in
+        sides.map(|sides| sides.wrong(mesh, frame.positions())).into_iter().flatten()
+    {
         let tangle = &mut tangles[islands.of(vertex)];
         tangle.num_wrong += 1;
         tangle.depth_edges += if edge_m > 0.0 { way.depth_m / edge_m } else { 0.0 };

@@ -1,4 +1,4 @@
-//! `--body`: reading bodies, and putting cloth and bodies into one world.
+//! `--body` and `--layers`: reading bodies, and putting cloth and bodies into one world.
 
 use std::path::PathBuf;
 
@@ -12,13 +12,17 @@ use crate::cli::{
     weld::WeldArg,
 };
 
-/// Files that are not cloth.
+/// What files are beside cloth.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RoleArgs {
     /// A body: the cloth belongs outside of it; it stays where it is, is not written, and what it intersects of itself
     /// does not count. Its closed pieces have an inside, however their faces point. May be given several times
     #[arg(long = "body", value_name = "FILE")]
     pub bodies: Vec<PathBuf>,
+    /// The FILEs are layers, the innermost first: each belongs outside of those before it, as far as they lie over each
+    /// other
+    #[arg(long)]
+    pub layers: bool,
 }
 
 /// A body and what it intersects of itself.
@@ -30,19 +34,23 @@ pub struct BodyReport {
     pub num_own_face_pairs: usize,
 }
 
-/// Bodies as they were read.
+/// Bodies as they were read, and whether the cloth is in layers.
 #[derive(Clone, Debug, Default)]
-pub(in crate::cli) struct Bodies {
-    pub(in crate::cli) files: Vec<MeshFile>,
+pub(in crate::cli) struct Roles {
+    pub(in crate::cli) bodies: Vec<MeshFile>,
     reports: Vec<BodyReport>,
+    /// For each layer the name of its file and the number of its vertices; empty where files are no layers.
+    pub(super) layers: Vec<(String, usize)>,
 }
 
-impl Bodies {
-    /// Reads bodies, and counts what each intersects of itself.
+impl Roles {
+    /// Reads bodies, and counts what each intersects of itself. `cloth` are the FILEs.
     ///
     /// # Errors
     /// [`InputError`], naming the file and the element at fault.
-    pub(in crate::cli) fn read(args: &RoleArgs, weld: WeldArg) -> Result<Self, InputError> {
+    pub(in crate::cli) fn read(args: &RoleArgs, cloth: &[MeshFile], weld: WeldArg) -> Result<Self, InputError> {
+        let layer = |file: &MeshFile| (file.path().display().to_string(), file.positions().len());
+        let layers = if args.layers { cloth.iter().map(layer).collect() } else { Vec::new() };
         let files = input::read_files(&args.bodies)?;
         let mut reports = Vec::new();
         for file in files.chunks(1) {
@@ -54,26 +62,35 @@ impl Bodies {
             let num_own_face_pairs = found.segments.len();
             reports.push(BodyReport { file: path.display().to_string(), num_own_face_pairs });
         }
-        Ok(Self { files, reports })
+        Ok(Self { bodies: files, reports, layers })
     }
 
-    pub(in crate::cli) fn is_empty(&self) -> bool {
-        self.files.is_empty()
+    /// Whether there is no body.
+    pub(in crate::cli) fn has_no_body(&self) -> bool {
+        self.bodies.is_empty()
     }
 
     /// One entry for each body; nothing without any.
     pub(in crate::cli) fn reports(&self) -> Option<Vec<BodyReport>> {
-        (!self.is_empty()).then(|| self.reports.clone())
+        (!self.has_no_body()).then(|| self.reports.clone())
     }
 
     /// Puts cloth and bodies into one world, the bodies last; `paths` are the names of the cloth in messages.
     pub(in crate::cli) fn join(&self, paths: &[PathBuf], cloth: &[MeshFile]) -> Result<World, InputError> {
-        let mut world = concatenate(cloth.iter().chain(&self.files))
+        let mut world = concatenate(cloth.iter().chain(&self.bodies))
             .map_err(|source| InputError::World { files: names(paths), source })?;
         let first = cloth.iter().map(|file| file.positions().len()).sum::<usize>();
         let index = |vertex: usize| u32::try_from(vertex).unwrap_or(u32::MAX);
-        if !self.is_empty() {
+        if !self.has_no_body() {
             world.description.body = (index(first)..index(world.positions.len())).collect();
+        }
+        if !self.layers.is_empty() {
+            // Several inputs may have become one file.
+            let numbered = self.layers.iter().zip(0..);
+            let mut layers: Vec<u32> =
+                numbered.flat_map(|((_, count), number)| std::iter::repeat_n(number, *count)).collect();
+            layers.resize(world.positions.len(), 0);
+            world.description.layers = Some(layers);
         }
         Ok(world)
     }

@@ -42,6 +42,11 @@ impl Orientation {
         Self { is_reversed }
     }
 
+    /// Whether the winding of a face is reversed.
+    pub(crate) fn is_reversed(&self, face: FaceId) -> bool {
+        self.is_reversed[face.index()]
+    }
+
     /// Twice the area vector of a face.
     pub(crate) fn area(&self, mesh: &Mesh, frame: &Frame, face: FaceId) -> Vector3<f64> {
         let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));

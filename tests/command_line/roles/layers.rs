@@ -1,0 +1,89 @@
+//! Layers over each other, and over a body.
+
+use untangled_checker::{crossings, vertices_inside};
+use untangled_mesh_io::read_mesh;
+use untangled_testkit::generate::Sheet;
+
+use super::{check, write};
+use crate::mesh_folder::{code, fix, json};
+
+/// A body, and a shirt, a vest and a jacket that go through each other, or a jacket that is all below the vest.
+fn write_outfit(folder: &std::path::Path, around: u32) {
+    let mut body = Sheet::default();
+    body.add_capsule(0.3, 0.7, 24, 24);
+    write(folder, "body.obj", &body);
+    let garment = |name: &str, radius: f64, heights: [f64; 2], around: u32, wave: f64| {
+        let mut sheet = Sheet::default();
+        sheet.add_tube(radius, heights, [around, around / 2], |angle, height| {
+            let out = wave * (3.0 * angle + 4.0 * height).sin();
+            [out * angle.cos(), out * angle.sin(), 0.0]
+        });
+        write(folder, name, &sheet);
+    };
+    garment("shirt.obj", 0.33, [-0.55, 0.6], around, 0.02);
+    garment("vest.obj", 0.35, [-0.6, 0.57], around + 4, 0.01);
+    garment("jacket.obj", 0.37, [-0.5, 0.65], around + 7, 0.05);
+    garment("below.obj", 0.31, [-0.5, 0.65], around + 7, 0.0);
+}
+
+#[test]
+fn fix_of_layers_through_each_other_and_of_layers_in_the_wrong_order_puts_them_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for around in [24, 40] {
+        write_outfit(path, around);
+        for (files, body) in [
+            (&["vest.obj", "jacket.obj"][..], false),
+            (&["vest.obj", "below.obj"], false),
+            (&["shirt.obj", "vest.obj", "jacket.obj"], true),
+            (&["shirt.obj", "vest.obj", "below.obj"], true),
+        ] {
+            let mut arguments = files.to_vec();
+            arguments.extend(["--layers", "-o", "out.obj", "--json", "--overwrite"]);
+            arguments.extend(["--body", "body.obj"].iter().filter(|_| body));
+            let output = fix(&arguments, path);
+            let report = json(&output);
+            assert_eq!(code(&output), 0, "{files:?}: {}", report["after"]);
+            let layers = report["layers"].as_array().unwrap();
+            assert_eq!(layers.len(), files.len());
+            let counts = |when: &str| -> Vec<u64> {
+                layers.iter().map(|layer| layer["num_vertices_behind"][when].as_u64().unwrap()).collect()
+            };
+            assert!(counts("before").last() > Some(&20), "{layers:?}");
+            assert!(counts("after").iter().all(|&count| count == 0), "{layers:?}");
+            let out = read_mesh(path.join("out.obj")).unwrap();
+            assert!(crossings(out.positions(), out.faces()).unwrap().pairs.is_empty());
+            if body {
+                let (mut positions, body) = (out.positions().to_vec(), read_mesh(path.join("body.obj")).unwrap());
+                let num = u32::try_from(positions.len()).unwrap();
+                positions.extend(body.positions());
+                let faces: Vec<[u32; 3]> = body.faces().iter().map(|face| face.map(|corner| corner + num)).collect();
+                assert_eq!(vertices_inside(&positions, 0..num, &faces).unwrap(), [0_u32; 0]);
+            }
+            // Each vertex of the last layer is farther out than the layer before it is there, but for their chords.
+            let radius = |place: &[f64; 3]| place[0].hypot(place[1]);
+            let sizes: Vec<usize> =
+                files.iter().map(|file| read_mesh(path.join(file)).unwrap().positions().len()).collect();
+            let last = out.positions().len() - sizes[files.len() - 1];
+            let mean = |places: &[[f64; 3]]| places.iter().map(radius).sum::<f64>() / places.len() as f64;
+            let inner = mean(&out.positions()[last - sizes[files.len() - 2]..last]);
+            assert!(mean(&out.positions()[last..]) > inner, "{files:?}");
+        }
+    }
+}
+
+#[test]
+fn check_with_layers_counts_vertices_behind_and_is_not_clean_with_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_outfit(path, 24);
+    let (code, report) = check(&["vest.obj", "below.obj", "--layers"], path);
+    assert_eq!((code, &report["num_face_pairs"]), (1, &0.into()));
+    assert_eq!(report["layers"][0], serde_json::json!({"file": "vest.obj", "num_vertices_behind": 0}));
+    assert!(report["layers"][1]["num_vertices_behind"].as_u64() > Some(300), "{}", report["layers"]);
+    // The other way round they are in order.
+    let (code, report) = check(&["below.obj", "vest.obj", "--layers"], path);
+    assert_eq!((code, &report["layers"][1]["num_vertices_behind"]), (0, &0.into()));
+    let (code, report) = check(&["vest.obj", "below.obj"], path);
+    assert_eq!((code, &report["layers"]), (0, &().into()));
+}
