@@ -2,8 +2,8 @@
 //!
 //! Barrier solvers (incremental potential contact and its kin) refuse or freeze on states whose primitives are too
 //! close, intersecting or not. A *proximity pair* is a vertex and a face of which it is no corner, or two edges without
-//! a common vertex. Pairs are decided exactly, each counts once, and those that share a vertex never count, nor those of
-//! two bodies. Primitives
+//! a common vertex. Pairs are decided exactly, each counts once, and those that share a vertex never count, nor those
+//! of two bodies. Primitives
 //! are those of the faces that are used: vertices of no face, and faces with a repeated vertex, are none.
 //!
 //! | file | purpose |

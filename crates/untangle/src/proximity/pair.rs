@@ -54,7 +54,7 @@ impl Primitives {
     }
 
     /// The vertices of both: one and three, or two and two.
-    pub fn vertices(self, mesh: &Mesh) -> impl Iterator<Item = VertexId> + use<> {
+    pub fn vertices(self, mesh: &Mesh) -> impl Iterator<Item = VertexId> + Clone + use<> {
         let [first, second] = self.corners(mesh);
         let num_first = if matches!(self, Self::VertexFace { .. }) { 1 } else { 2 };
         first.into_iter().take(num_first).chain(second.into_iter().take(4 - num_first))

@@ -12,7 +12,7 @@ use super::{
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
     settle::settle,
-    step::{are_faces_pinned, measure},
+    step::are_faces_pinned,
 };
 use crate::{
     analysis::Analysis,
@@ -58,8 +58,6 @@ pub(super) fn run(
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
-        let Relaxer { mesh, frame, analyser, sides, first_islands, now, .. } = &mut relaxer;
-        measure(mesh, frame, &analyser.last().intersections, sides.as_ref(), first_islands, now);
         interrupted = settle(&mut relaxer, progress)?;
         relaxer.analyse();
     }

@@ -70,8 +70,8 @@ pub(crate) struct ArapEnergy<'a> {
     pub(crate) domain: &'a Domain,
     /// The part of the rest shape in the edges that are kept: 0 keeps the present shape, 1 restores the rest shape.
     pub(crate) rest_weight: f64,
-    /// The part of the weight of an edge that keeps its length at rest only; the other part keeps its direction as well,
-    /// and so resists bending and shear.
+    /// The part of the weight of an edge that keeps its length at rest only; the other part keeps its direction as
+    /// well, and so resists bending and shear.
     pub(crate) membrane: f64,
     /// The part of the way back to the input that the displacement is measured from: 0 for the present positions, 1 for
     /// those of the input.

@@ -49,6 +49,18 @@ pub(super) struct Judge {
 }
 
 impl Judge {
+    /// Marks the islands that intersect others that are marked, in the state that was judged last.
+    pub(super) fn spread_worse(&self, mesh: &Mesh, islands: &Islands, is_worse: &mut [bool]) {
+        let before = is_worse.to_vec();
+        for found in &self.found.edge_face {
+            let ([a, b], [c, d, e]) = (mesh.edge(found.edge), mesh.face(found.face));
+            let touched = [a, b, c, d, e].map(|vertex| islands.of(vertex));
+            if touched.iter().any(|&island| before[island]) {
+                touched.into_iter().for_each(|island| is_worse[island] = true);
+            }
+        }
+    }
+
     /// Judges a state, exactly: by all of its intersections.
     ///
     /// Cost: one search for intersections.

@@ -15,7 +15,7 @@ use crate::{
 
 /// Where a proposal does harm it is made at 1, 1/2 and 1/4, and then not at all. Islands that only do harm once others
 /// stand still get some rounds more.
-const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 3 };
+const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 10 };
 
 /// What a proposal is for.
 #[derive(Clone, Copy)]
@@ -54,7 +54,7 @@ impl LineSearch {
     /// Shortens a displacement over a domain, given as it will be sent, until it leaves no island more tangled than it
     /// is, and nothing else either. At the border of an island that is held back the displacement fades.
     ///
-    /// Cost: one search for intersections where it does no harm, at most five.
+    /// Cost: one search for intersections where it does no harm, at most twelve.
     pub(super) fn shorten(
         &mut self,
         scene: &Scene<'_>,
@@ -88,12 +88,13 @@ impl LineSearch {
                 }
                 return Verdict::Shortened;
             }
-            let moves = |local: usize| displacement[local] != Vector3::zeros() && self.damping.factor(local) > 0.0;
-            let is_worse = |local: usize| self.is_worse[islands.of(vertices[local])];
-            self.damped.clear();
-            self.damped.extend((0..vertices.len()).filter(|&local| moves(local) && is_worse(local)));
+            self.collect_worse(domain, displacement, islands);
+            if judgement == Judgement::Done && self.damped.is_empty() {
+                // Nothing moves where the harm is, so it comes from the islands that meet it there.
+                self.judge.spread_worse(mesh, islands, &mut self.is_worse);
+                self.collect_worse(domain, displacement, islands);
+            }
             if judgement == Judgement::Refused || self.damped.is_empty() {
-                // Nothing moves where the harm is, so it comes from elsewhere.
                 self.damped.clear();
                 self.damped.extend(0..vertices.len());
             }
@@ -101,6 +102,15 @@ impl LineSearch {
         }
         displacement.fill(Vector3::zeros());
         Verdict::Shortened
+    }
+
+    /// Collects the vertices that move in islands that get worse.
+    fn collect_worse(&mut self, domain: &Domain, displacement: &[Vector3<f64>], islands: &Islands) {
+        let Self { damping, is_worse, damped, .. } = self;
+        let moves = |local: usize| displacement[local] != Vector3::zeros() && damping.factor(local) > 0.0;
+        let worse = |local: usize| is_worse[islands.of(domain.vertices()[local])];
+        damped.clear();
+        damped.extend((0..domain.vertices().len()).filter(|&local| moves(local) && worse(local)));
     }
 
     /// Finds the islands that the judged state leaves more tangled than they are. False if there are none, and all

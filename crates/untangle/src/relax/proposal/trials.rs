@@ -26,8 +26,8 @@ const RINGS: usize = 10;
 pub(super) const REACH: usize = 2 * RINGS;
 /// The part of the rest shape in the edges that are kept, from the second step on.
 const REST_WEIGHT: f64 = 0.3;
-/// A step is made only where it leaves at most this part of the tangle: cloth that was moved far for little springs back,
-/// and takes more along than was won.
+/// A step is made only where it leaves at most this part of the tangle: cloth that was moved far for little springs
+/// back, and takes more along than was won.
 const MAX_LEFT: f64 = 0.9;
 /// The trials in order. Each has an objective, a stiffness, whose root is the length, in edges, over which a
 /// displacement decays, and the factor by which edges may change their length before they are made stiffer. Those after

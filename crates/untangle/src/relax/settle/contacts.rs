@@ -4,7 +4,7 @@ use crate::{
     correspond::MaterialPoint,
     frame::Frame,
     mesh::Mesh,
-    proximity::{ProximityEnd, ProximityPair, ProximitySearch, closest_points},
+    proximity::{Primitives, ProximityEnd, ProximityPair, ProximitySearch, closest_points},
     relax::{constraints::Constraints, energy::Domain},
 };
 
@@ -19,7 +19,8 @@ pub(super) struct Contacts {
 
 impl Contacts {
     /// Finds the pairs within `reach_m`, and lets each come as near as `gap_m`; those that are nearer stay where they
-    /// are. False where there are more than `max_pairs`.
+    /// are. Neighbours on the surface are no contact unless they are as near as that. False where there are more than
+    /// `max_pairs`.
     ///
     /// Cost: that of the search.
     pub(super) fn find(
@@ -35,7 +36,8 @@ impl Contacts {
             return false;
         }
         for pair in &self.pairs {
-            if pair.primitives.vertices(mesh).all(|vertex| domain.local(vertex).is_none()) {
+            let moves = pair.primitives.vertices(mesh).any(|vertex| domain.local(vertex).is_some());
+            if !moves || pair.distance_m > gap_m && are_neighbours(mesh, pair.primitives) {
                 continue;
             }
             let closest = closest_points(mesh, frame, pair.primitives);
@@ -48,4 +50,14 @@ impl Contacts {
         }
         true
     }
+}
+
+/// Whether an edge joins two primitives.
+fn are_neighbours(mesh: &Mesh, primitives: Primitives) -> bool {
+    let vertices = primitives.vertices(mesh);
+    let num_first = if matches!(primitives, Primitives::VertexFace { .. }) { 1 } else { 2 };
+    vertices
+        .clone()
+        .take(num_first)
+        .any(|first| vertices.clone().skip(num_first).any(|second| mesh.edge_between(first, second).is_some()))
 }

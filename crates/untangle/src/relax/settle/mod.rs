@@ -27,6 +27,8 @@ use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
 use taper::taper;
 
+/// Width of the k-ring round what is still tangled that stays as it is.
+const LEFT_RINGS: usize = 3;
 /// The most steps, and the most failures to make one.
 const MAX_STEPS: usize = 40;
 /// Ends where two steps take away less than this part of the energy.
@@ -50,7 +52,7 @@ const GAP: f64 = 0.1;
 const MAX_CONTACTS: usize = 100;
 const BUDGET: SolverBudget = SolverBudget { newton_steps: 12, cg_steps: 100, penalty: 1e4 };
 
-/// Recovers the shape of the input round all vertices that moved, but those of islands that are still tangled; then
+/// Recovers the shape of the input round all vertices that moved, but those beside what is still tangled; then
 /// ends displacements that are next to nothing. True if `progress` ended it.
 pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
     let is_ended = recover(relaxer, progress)?;
@@ -62,9 +64,10 @@ pub(super) fn settle(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> 
 
 /// The steps. True if `progress` ended them.
 fn recover(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<bool, RelaxError> {
-    let Relaxer { mesh, frame, rest, domain, first_islands, now, .. } = &mut *relaxer;
-    let is_tangled = |vertex| now.get(first_islands.of(vertex)).is_some_and(|tangle| !tangle.is_none());
-    let is_moved = |vertex: &VertexId| rest.position(*vertex) != frame.position(*vertex) && !is_tangled(*vertex);
+    relaxer.measure_islands(LEFT_RINGS);
+    let Relaxer { mesh, frame, rest, domain, islands, .. } = &mut *relaxer;
+    let is_left = |vertex| islands.near(vertex).is_some();
+    let is_moved = |vertex: &VertexId| rest.position(*vertex) != frame.position(*vertex) && !is_left(*vertex);
     domain.grow(mesh, mesh.vertex_ids().filter(is_moved), 0);
     let faces = domain.vertices().iter().flat_map(|&vertex| mesh.vertex_faces(vertex)).copied();
     let Some(edge_length_m) = mean_edge_length(mesh, frame, faces) else { return Ok(false) };
