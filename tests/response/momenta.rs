@@ -54,8 +54,8 @@ fn check_file(file: &Path) -> usize {
         let is_clean = outcome.analysis.intersections.segments.is_empty();
         let corrections = outcome.corrections.clone();
         assert!(corrections.forces.iter().flatten().all(|value| value.is_finite()), "{name}, {response:?}");
-        // Degenerate contacts may have no length, and then no direction. A displacement stands still where each that was
-        // tried does harm: then there is the mask alone.
+        // Degenerate contacts may have no length, and then no direction. A displacement stands still where each that
+        // was tried does harm: then there is the mask alone.
         let is_still = corrections.forces.iter().all(|force| *force == Vector3::zeros());
         let may_stand_still = name.starts_with("deg_")
             || response == Response::Displacement
