@@ -3,7 +3,8 @@
 //! Each step minimises the elastic energy against the shape of the input, with a weak pull of each vertex towards its
 //! place there, while primitives that are near each other keep a gap. Lengths of edges weigh far more than bending and
 //! shear, as they do in cloth. The step is short enough for the contacts that were found, it intersects nothing new,
-//! and it is taken only if the energy falls.
+//! and it is taken only if the energy falls and no edge is strained beyond the limit of the descent, or more than the
+//! worst one before.
 //!
 //! | file | purpose |
 //! |---|---|
@@ -25,7 +26,7 @@ use super::{
 };
 use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
-use taper::taper;
+use taper::{largest_strain, taper};
 
 /// Width of the k-ring round what is still tangled that stays as it is.
 const LEFT_RINGS: usize = 3;
@@ -48,8 +49,13 @@ const TRUST: f64 = 0.5;
 const LEAST_TRUST: f64 = 0.1;
 /// Gap that contacts keep, in mean edge lengths.
 const GAP: f64 = 0.1;
-/// With more contacts for each vertex nothing is settled: surfaces that nearly coincide.
+/// With more pairs for each vertex contacts are looked for half as far, as often as this: edges are of very different
+/// lengths, or surfaces nearly coincide.
 const MAX_CONTACTS: usize = 100;
+const MAX_HALVINGS: usize = 4;
+/// The worst edge may get worse up to this strain, the logarithm of the descent's limit of 1.5: with less, one edge
+/// stops all others.
+const MAX_STRAIN: f64 = 0.405;
 const BUDGET: SolverBudget = SolverBudget { newton_steps: 12, cg_steps: 100, penalty: 1e4 };
 
 /// Recovers the shape of the input round all vertices that moved, but those beside what is still tangled; then
@@ -128,11 +134,7 @@ impl Settling {
         let Relaxer { mesh, frame, rest, domain, settings, .. } = relaxer;
         let energy =
             ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, membrane: MEMBRANE, anchor: self.anchor };
-        let reach_m = REACH * self.edge_length_m;
-        let max_contacts = MAX_CONTACTS * mesh.num_vertices();
-        if !self.contacts.find(mesh, frame, domain, [reach_m, GAP * self.edge_length_m], max_contacts) {
-            return None;
-        }
+        let reach_m = self.find_contacts(relaxer)?;
         self.solver.budget = BUDGET;
         if !self.solver.solve(&energy, STIFFNESS, f64::INFINITY, &self.contacts.rows, Start::Cold, relaxer.should_stop)
         {
@@ -153,6 +155,22 @@ impl Settling {
             *before = energy.value(STIFFNESS, frame.positions());
         }
         let after = energy.value(STIFFNESS, &positions);
-        (after < *before).then_some((positions, after))
+        let strain = |positions: &[Point3<f64>]| largest_strain(relaxer, positions).max(MAX_STRAIN);
+        (after < *before && strain(&positions) <= strain(frame.positions())).then_some((positions, after))
+    }
+
+    /// Finds the contacts of the present state; gives back how far they were looked for. Nothing where there are too
+    /// many.
+    fn find_contacts(&mut self, relaxer: &Relaxer<'_>) -> Option<f64> {
+        let Relaxer { mesh, frame, domain, .. } = relaxer;
+        let max_contacts = MAX_CONTACTS * mesh.num_vertices();
+        for _ in 0..=MAX_HALVINGS {
+            let reach_m = REACH * self.edge_length_m;
+            if self.contacts.find(mesh, frame, domain, [reach_m, GAP * self.edge_length_m], max_contacts) {
+                return Some(reach_m);
+            }
+            self.edge_length_m *= 0.5;
+        }
+        None
     }
 }
