@@ -169,6 +169,8 @@ fn registration_with(section: u32, bytes: Option<Vec<u8>>) -> (Vec<u8>, u32) {
         (id::PINS, indices(&[2])),
         (id::LAYERS, indices(&[0, 0, 1])),
         (id::SETTINGS, b"{}".to_vec()),
+        (id::OPTIONS, indices(&[0])),
+        (id::BODY, Vec::new()),
         (77, vec![1, 2, 3]),
     ];
     let mut writer = SectionWriter::default();
