@@ -22,9 +22,9 @@ pub struct Registration {
     pub pins: Vec<u32>,
     /// Layer of each vertex, `num_vertices`, from the body outwards.
     pub layers: Option<Vec<u32>>,
-    /// Vertices of bodies: the host alone moves them, cloth belongs outside of them, and they get no corrections. A face
-    /// has all of its corners among them, or none. Bodies may intersect each other and themselves. A daemon that does
-    /// not know bodies is an error of [`Client::register`](crate::Client::register).
+    /// Vertices of bodies: the host alone moves them, cloth belongs outside of them, and they get no corrections. A
+    /// face has all of its corners among them, or none. Bodies may intersect each other and themselves. A daemon that
+    /// does not know bodies is an error of [`Client::register`](crate::Client::register).
     pub body: Vec<u32>,
     /// Precision of the positions that will be published.
     pub precision: Precision,
