@@ -416,6 +416,18 @@ untangled_error untangled_register(untangled_client client,
                                    const untangled_registration *registration,
                                    untangled_session *session);
 
+// Opens a session of which some vertices belong to bodies: the host alone moves them, cloth belongs outside of them,
+// and they get no corrections. A triangle has all of its corners among them, or none; bodies may intersect each other
+// and themselves. A daemon that does not know bodies is `UNTANGLED_REFUSED`. Everything that is pointed to is copied.
+//
+// # Safety
+// As `untangled_register`; `body` is null or holds `num_body` vertex indices.
+untangled_error untangled_register_with_body(untangled_client client,
+                                             const untangled_registration *registration,
+                                             const uint32_t *body,
+                                             size_t num_body,
+                                             untangled_session *session);
+
 // Ends a session and tells the daemon, which has a second to take note. What the session has lent, positions and
 // corrections, must not be used any more.
 untangled_error untangled_close(untangled_session session);

@@ -74,6 +74,8 @@ struct Cloth {
     std::vector<std::uint32_t> pins;
     /// From the body outwards; empty or `num_vertices`.
     std::vector<std::uint32_t> layers;
+    /// Vertices of bodies, which the host alone moves: see `untangled_register_with_body`.
+    std::vector<std::uint32_t> body;
     untangled_precision precision = UNTANGLED_F32;
     untangled_kind correction = UNTANGLED_DISPLACEMENT;
     /// Whether corrections shall bring intersection paths.
@@ -426,7 +428,8 @@ public:
                                (cloth.repairs ? UNTANGLED_REPAIRS : 0);
         registration.settings_json = cloth.settings_json.empty() ? nullptr : cloth.settings_json.c_str();
         untangled_session session = {};
-        check(untangled_register(client_, &registration, &session));
+        check(untangled_register_with_body(client_, &registration, cloth.body.empty() ? nullptr : cloth.body.data(),
+                                           cloth.body.size(), &session));
         return Session(session);
     }
     /// The daemon's state as a JSON document.

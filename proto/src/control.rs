@@ -67,9 +67,16 @@ pub struct ReplyHeader {
     pub session: u64,
     /// That of the request.
     pub token: [u64; 2],
+    /// Vertices of the session that was registered that belong to bodies. A daemon that does not know bodies writes
+    /// zero, from which a client sees that it took them for cloth.
+    pub num_body_vertices: u64,
     /// Zero.
-    pub reserved: [u64; 3],
+    pub reserved: [u64; 2],
 }
+
+/// The feature of a [`Hello`] that says that the daemon knows the section
+/// [`id::BODY`](crate::sections::id::BODY).
+pub const BODY: &str = "body";
 
 /// What a daemon says of itself, as JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,7 +89,7 @@ pub struct Hello {
     pub iceoryx2_version: String,
     /// Its process.
     pub pid: u32,
-    /// Names of the [`SessionOptions`] that it knows; none from a daemon that is older than they.
+    /// Names of the [`SessionOptions`] that it knows, and [`BODY`]; none from a daemon that is older than they.
     #[serde(default)]
     pub features: Vec<String>,
 }

@@ -56,6 +56,8 @@ pub struct RepairHeader {
     pub repair_ns: u64,
     /// Requests of this session so far that a newer one replaced while they waited.
     pub num_replaced: u64,
+    /// Vertices of cloth inside of a body in the repaired state, as the check counts them.
+    pub num_inside_body: u64,
     /// Zero.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 4],
 }

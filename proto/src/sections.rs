@@ -29,6 +29,8 @@ pub mod id {
     pub const SETTINGS: u32 = 9;
     /// Bits of [`SessionOptions`](crate::SessionOptions), one `u32`; all zero where the section is not there.
     pub const OPTIONS: u32 = 10;
+    /// Indices of vertices that belong to bodies, `u32`: the host alone moves them, and cloth belongs outside.
+    pub const BODY: u32 = 11;
 }
 
 const ENTRY_BYTES: usize = 24;

@@ -78,6 +78,48 @@ fn client_given_a_reply_to_another_request_ignores_it() {
     assert_eq!(connecting.join().unwrap().unwrap().daemon().pid, 2);
 }
 
+/// The daemon is the test itself: it answers as those did that know no bodies, and ignore the section.
+#[test]
+fn client_whose_daemon_takes_a_body_for_cloth_refuses_the_session_in_words() {
+    let domain = TestDomain::new();
+    let mut lock = DomainLock::acquire(&domain.0).unwrap();
+    let node = node(&domain);
+    let _requests = services::create_shared_event(&node, names::CONTROL).unwrap();
+    let replies = services::create_shared_event(&node, names::REPLY).unwrap();
+    let notifier = replies.notifier_builder().create().unwrap();
+    let control = services::create_requests(&node, PayloadLayout::Packed).unwrap();
+    let server = control.server_builder().initial_max_slice_len(4096).create().unwrap();
+    lock.announce().unwrap();
+    let options = domain.options();
+    let registering = std::thread::spawn(move || {
+        Client::connect(options).unwrap().register(Registration { body: (0..9).collect(), ..sheet(2) }).map(drop)
+    });
+    for (kind, session) in [(RequestKind::Hello, 0), (RequestKind::Register, 1)] {
+        let mut request = None;
+        eventually("a request", || {
+            request = server.receive().unwrap();
+            request.is_some()
+        });
+        let request = request.unwrap();
+        let (token, asked) = (request.user_header().token, request.user_header().kind);
+        assert_eq!(asked, kind as u32);
+        let text = match kind {
+            RequestKind::Hello => format!(
+                r#"{{"protocol_version": {PROTOCOL_VERSION}, "library_version": "{LIBRARY_VERSION}",
+                "iceoryx2_version": "{ICEORYX2_VERSION}", "pid": 1, "features": ["sparse", "labels", "repair"]}}"#
+            ),
+            _ => String::new(),
+        };
+        let mut reply = request.loan_slice_uninit(text.len()).unwrap();
+        let protocol_version = PROTOCOL_VERSION;
+        *reply.user_header_mut() = ReplyHeader { protocol_version, session, token, ..ReplyHeader::default() };
+        reply.write_from_slice(text.as_bytes()).send().unwrap();
+        notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY)).unwrap();
+    }
+    let error = registering.join().unwrap().unwrap_err();
+    assert!(error.to_string().contains("too old to know bodies"), "{error}");
+}
+
 #[test]
 fn malformed_requests_are_refused_in_words() {
     let domain = TestDomain::new();

@@ -12,7 +12,7 @@ use crate::{
     error::{ErrorCode, Fault, guard},
     handles::{CLIENTS, OpenSession, SESSIONS, lock},
     input,
-    registration::{ClothRegistration, parse},
+    registration::{ClothRegistration, MOST, parse},
     types::{ClientHandle, SessionHandle},
 };
 
@@ -66,6 +66,24 @@ pub unsafe extern "C" fn untangled_register(
     registration: *const ClothRegistration,
     session: *mut SessionHandle,
 ) -> ErrorCode {
+    // SAFETY: the caller's promise; no vertex is of a body.
+    unsafe { untangled_register_with_body(client, registration, std::ptr::null(), 0, session) }
+}
+
+/// Opens a session of which some vertices belong to bodies: the host alone moves them, cloth belongs outside of them,
+/// and they get no corrections. A triangle has all of its corners among them, or none; bodies may intersect each other
+/// and themselves. A daemon that does not know bodies is `UNTANGLED_REFUSED`. Everything that is pointed to is copied.
+///
+/// # Safety
+/// As `untangled_register`; `body` is null or holds `num_body` vertex indices.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn untangled_register_with_body(
+    client: ClientHandle,
+    registration: *const ClothRegistration,
+    body: *const u32,
+    num_body: usize,
+    session: *mut SessionHandle,
+) -> ErrorCode {
     guard(|| {
         // SAFETY: the caller's promise.
         let place = unsafe { input::place("session", session) }?;
@@ -73,7 +91,9 @@ pub unsafe extern "C" fn untangled_register(
         // SAFETY: the caller's promise; one element.
         let registration = unsafe { input::array("registration", registration, 1, 1) }?[0];
         // SAFETY: the caller's promise.
-        let registration = unsafe { registration.read() }?;
+        let mut registration = unsafe { registration.read() }?;
+        // SAFETY: the caller's promise.
+        registration.body = unsafe { input::array("body", body, num_body, MOST) }?.to_vec();
         let client = CLIENTS.get(client.id)?;
         let opened = lock(&client).register(registration)?;
         place.write(SessionHandle { id: SESSIONS.add(OpenSession::new(opened)) });

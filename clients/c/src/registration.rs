@@ -53,7 +53,7 @@ pub struct ClothRegistration {
 }
 
 /// Most vertices and faces that any daemon takes.
-const MOST: usize = 1 << 25;
+pub(crate) const MOST: usize = 1 << 25;
 
 /// Writes what a registration is before anything is said: empty, single precision, displacements.
 ///
@@ -115,6 +115,7 @@ impl ClothRegistration {
             masses_kg: masses.map(<[f64]>::to_vec),
             pins: pins.to_vec(),
             layers: layers.map(<[u32]>::to_vec),
+            body: Vec::new(),
             precision: precision(self.precision)?,
             correction: correction(self.correction)?,
             sparse: self.options & UNTANGLED_SPARSE != 0,

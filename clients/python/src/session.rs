@@ -38,8 +38,8 @@ impl NativeSession {
     /// Connects and registers. Arrays are bytes: indices of u32, numbers of f64.
     #[new]
     #[pyo3(signature = (
-        domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, double, kind,
-        paths, sparse, labels, repairs, settings
+        domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, body, double,
+        kind, paths, sparse, labels, repairs, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -54,6 +54,7 @@ impl NativeSession {
         masses: Option<&[u8]>,
         pins: &[u8],
         layers: Option<&[u8]>,
+        body: &[u8],
         double: bool,
         kind: &str,
         paths: bool,
@@ -79,6 +80,7 @@ impl NativeSession {
             masses_kg: masses.map(|masses| masses.into_flattened()),
             pins: u32s::<1>("pins", pins)?.into_flattened(),
             layers: layers.map(|layers| layers.into_flattened()),
+            body: u32s::<1>("body", body)?.into_flattened(),
             precision: if double { Precision::F64 } else { Precision::F32 },
             correction: correction_kind(kind)?,
             sparse,

@@ -28,6 +28,15 @@ def test_exchange_of_crossed_triangles_reports_counts_flags_and_summary(crossed,
         assert "2 intersections" in repr(correction)
 
 
+def test_vertices_of_a_body_get_no_corrections_and_a_mixed_triangle_is_refused(crossed, domain):
+    with open_session(crossed, domain, body=[3, 4, 5]) as session:
+        correction = session.exchange(crossed.vertices, deadline=DEADLINE)
+        assert correction.num_intersections == 2 and not correction.value[3:].any()
+        assert (correction.flags & untangled.PINNED != 0).tolist() == [False] * 3 + [True] * 3
+    with pytest.raises(untangled.Refused, match="face 1"):
+        open_session(crossed, domain, body=[3, 4])
+
+
 def test_displacements_applied_each_step_end_clean(sheets, domain):
     positions = sheets.vertices.copy()
     with open_session(sheets, domain) as session:

@@ -107,6 +107,7 @@ def cloth(
     rest_positions: Any,
     pins: Any,
     layers: Any,
+    body: Any = None,
 ) -> Dict[str, Optional[bytes]]:
     """The arrays that a registration and a mesh to analyse have in common, as bytes."""
     faces = indices("triangles", triangles, 3)
@@ -137,4 +138,5 @@ def cloth(
         else numbers("rest_positions", rest_positions, 3, num_vertices).tobytes(),
         "pins": b"" if pins is None else indices("pins", pins, 1).tobytes(),
         "layers": raw(layers),
+        "body": b"" if body is None else indices("body", body, 1).tobytes(),
     }

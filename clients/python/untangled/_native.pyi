@@ -44,6 +44,7 @@ class NativeSession:
         masses: Optional[bytes],
         pins: bytes,
         layers: Optional[bytes],
+        body: bytes,
         double: bool,
         kind: str,
         paths: bool,

@@ -37,7 +37,7 @@ class Repair:
 
     @property
     def certified(self) -> bool:
-        """Whether an exact check found no crossing in the repaired positions of its frame."""
+        """Whether an exact check found no crossing, and no cloth inside of a body, in the repaired positions."""
         return self._header["certified"]
 
     @property

@@ -35,6 +35,8 @@ class Session:
         masses: kilograms, `num_vertices`; needed for forces.
         pins: vertices that the simulator does not let move.
         layers: of each vertex, from the body outwards.
+        body: vertices of bodies: the simulator alone moves them, cloth belongs outside of them, and they get no
+            corrections. A triangle has all of its corners among them, or none.
         correction: "force" (N), "acceleration" (m/s^2), "velocity" (change, m/s) or "displacement" (m); by default
             force where there are masses, else displacement.
         dtype: float32 or float64: the precision in which positions are sent.
@@ -63,6 +65,7 @@ class Session:
         masses: Optional[ArrayLike] = None,
         pins: Optional[ArrayLike] = None,
         layers: Optional[ArrayLike] = None,
+        body: Optional[ArrayLike] = None,
         correction: Optional[str] = None,
         dtype: DTypeLike = np.float32,
         paths: bool = False,
@@ -94,7 +97,7 @@ class Session:
         """Simulated time in seconds of the next frame; each frame that was published, and not refused, adds its `dt`.
         """
         self._time_before = 0.0
-        cloth = _arrays.cloth(num_vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
+        cloth = _arrays.cloth(num_vertices, triangles, uv, uv_triangles, rest_positions, pins, layers, body)
         weights = None if masses is None else _arrays.numbers("masses", masses, 1, num_vertices).tobytes()
         self._native = NativeSession(
             domain=domain,

@@ -66,6 +66,12 @@ impl RequestError {
         Self::Transport { what, reason: reason.to_string() }
     }
 
+    /// A daemon that ignored what it does not know: what that is, and the name of what asks for it.
+    pub(crate) fn too_old(what: &str, name: &str) -> Self {
+        let message = format!("it is too old to know {what}; update it, or register without {name}");
+        Self::Refused { status: Status::BadRequest, message }
+    }
+
     /// Whether another attempt may succeed: daemons start, and places in services that dead nodes occupy become free.
     pub(crate) fn may_pass(&self) -> bool {
         matches!(self, Self::NoDaemon { .. } | Self::Transport { .. })

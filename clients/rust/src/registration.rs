@@ -22,6 +22,10 @@ pub struct Registration {
     pub pins: Vec<u32>,
     /// Layer of each vertex, `num_vertices`, from the body outwards.
     pub layers: Option<Vec<u32>>,
+    /// Vertices of bodies: the host alone moves them, cloth belongs outside of them, and they get no corrections. A
+    /// face has all of its corners among them, or none. Bodies may intersect each other and themselves. A daemon that
+    /// does not know bodies is an error of [`Client::register`](crate::Client::register).
+    pub body: Vec<u32>,
     /// Precision of the positions that will be published.
     pub precision: Precision,
     /// The unit of corrections.
@@ -84,6 +88,9 @@ impl Registration {
         let options = self.options();
         if options != SessionOptions::default() {
             writer.u32s(id::OPTIONS, &[[options.bits()]]);
+        }
+        if !self.body.is_empty() {
+            writer.u32s(id::BODY, self.body.as_chunks::<1>().0);
         }
         writer.finish()
     }

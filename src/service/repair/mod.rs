@@ -12,6 +12,7 @@
 //! |---|---|
 //! | `displacement` | what is added, in the precision of the host, and where that leads |
 //! | `distortion` | how much the cloth changes |
+//! | `judge` | the check of a state, by code that the library has no part in |
 //! | `solve` | rounds of relaxation and check |
 //! | `port` | the publisher of a session |
 //! | `progress` | when the daemon asks by itself |
@@ -23,6 +24,7 @@
 mod desk;
 mod displacement;
 mod distortion;
+mod judge;
 mod port;
 mod progress;
 mod requests;

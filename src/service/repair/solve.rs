@@ -10,14 +10,16 @@ use untangle::{
     relax::{RelaxSettings, Relaxation, relax_until},
     stage::{Stage, StageObserver},
 };
-use untangled_checker::crossings;
 use untangled_proto::{
     Precision, RepairHeader, Status,
     correction::NO_FAULT,
     repair::{CERTIFIED, TRUNCATED},
 };
 
-use super::{displacement, distortion};
+use super::{
+    displacement, distortion,
+    judge::{Verdict, judge},
+};
 
 /// Most rounds, each of which relaxes the state that the host would have after the last one.
 const MOST_ROUNDS: usize = 8;
@@ -43,12 +45,13 @@ struct Reached {
     positions: Vec<[f64; 3]>,
     frame: Frame,
     found: Intersections,
-    num_crossings: usize,
+    verdict: Verdict,
 }
 
 impl Reached {
+    /// What is wrong: what intersects or is inside of a body, and what the judge alone finds.
     fn rank(&self) -> (usize, usize) {
-        (self.found.edge_face.len(), self.num_crossings)
+        (self.found.edge_face.len().saturating_add(self.verdict.num_inside), self.verdict.num_crossings)
     }
 
     fn is_certified(&self) -> bool {
@@ -86,10 +89,10 @@ pub(super) fn solve(task: &Task<'_>, should_stop: ShouldStop<'_>) -> (RepairHead
         }
         SearchEnd::OutOfTime => return (refused(Status::OutOfTime, 0.0), nothing()),
     }
-    let num_crossings = judge(mesh, positions);
+    let verdict = judge(mesh, positions);
     let (displacements, positions) = (nothing(), positions.to_vec());
-    let mut best = Reached { displacements, positions, frame, found, num_crossings };
-    let (num_iterations, truncated) = match best.found.edge_face.is_empty() {
+    let mut best = Reached { displacements, positions, frame, found, verdict };
+    let (num_iterations, truncated) = match best.rank().0 == 0 {
         true => (0, false),
         false => run_rounds(task, &mut best, should_stop),
     };
@@ -146,15 +149,8 @@ fn reach(task: &Task<'_>, goal: &[[f64; 3]]) -> Option<Reached> {
     let frame = Frame::new(mesh, &positions).ok()?;
     let mut found = Intersections::default();
     Intersector::default().intersect(mesh, &frame, &mut found);
-    let num_crossings = judge(mesh, &positions);
-    Some(Reached { displacements, positions, frame, found, num_crossings })
-}
-
-/// Pairs of faces that cross, by the judge that shares no code with the library.
-fn judge(mesh: &Mesh, positions: &[[f64; 3]]) -> usize {
-    let triangles: Vec<[u32; 3]> = mesh.face_ids().map(|face| mesh.face(face).map(|vertex| vertex.0)).collect();
-    // A frame is finite, and a mesh has valid faces; what can't be judged is not clean.
-    crossings(positions, &triangles).map_or(usize::MAX, |found| found.pairs.len())
+    let verdict = judge(mesh, &positions);
+    Some(Reached { displacements, positions, frame, found, verdict })
 }
 
 fn refused(status: Status, fault_value: f64) -> RepairHeader {
@@ -171,7 +167,8 @@ fn describe(task: &Task<'_>, best: &Reached, num_iterations: usize, truncated: b
         flags: certified | if truncated { TRUNCATED } else { 0 },
         fault_index: NO_FAULT,
         num_edge_face_intersections: best.found.edge_face.len() as u64,
-        num_crossings: best.num_crossings as u64,
+        num_crossings: best.verdict.num_crossings as u64,
+        num_inside_body: best.verdict.num_inside as u64,
         num_pairs: paths.pairs.len() as u64,
         // The sum of no lengths is a negative zero.
         contour_length_m: paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>() + 0.0,

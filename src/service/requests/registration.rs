@@ -140,7 +140,7 @@ fn description(sections: &Sections<'_>, num_vertices: usize) -> Result<MeshDescr
         masses_kg: sections.f64s::<1>(id::MASSES).map_err(refused)?.map(|masses| masses.as_flattened().to_vec()),
         pins: u32s(id::PINS)?.unwrap_or_default(),
         layers: u32s(id::LAYERS)?,
-        body: Vec::new(),
+        body: u32s(id::BODY)?.unwrap_or_default(),
     })
 }
 

@@ -115,13 +115,13 @@ impl Registry {
         Ok(())
     }
 
-    /// Opens a session.
+    /// Opens a session. Gives back its id, and the number of its vertices that belong to bodies.
     pub(crate) fn register(
         &self,
         sections: &Sections<'_>,
         layout: PayloadLayout,
         client: Option<ProcessId>,
-    ) -> Result<u64, Refusal> {
+    ) -> Result<(u64, u64), Refusal> {
         static REGISTERED: Throttle = Throttle::new();
         let _place = self.take_place(client)?;
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
@@ -138,8 +138,10 @@ impl Registry {
                 "session registered"
             );
         }
+        let mesh = session.mesh();
+        let num_body_vertices = mesh.vertex_ids().filter(|&vertex| mesh.is_body(vertex)).count() as u64;
         self.sessions().push(Arc::new(session));
-        Ok(id)
+        Ok((id, num_body_vertices))
     }
 
     /// A place for one more session, while it is being registered.

@@ -6,7 +6,7 @@ use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude:
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, SessionOptions,
     Status,
-    control::Hello,
+    control::{BODY, Hello},
     memory::{PayloadLayout, reply_sample_bytes},
     names,
     sections::Sections,
@@ -26,8 +26,10 @@ pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHea
 pub(crate) const REPLY_BYTES: usize = 2048;
 
 /// The content of a reply that is no refusal.
+#[derive(Default)]
 struct Answer {
     session: u64,
+    num_body_vertices: u64,
     text: String,
 }
 
@@ -67,14 +69,14 @@ impl Replier {
             Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
         })?;
         let sections = sections(header, request.payload())?;
-        let plain = |text: String| Ok(Answer { session: 0, text });
+        let plain = |text: String| Ok(Answer { text, ..Answer::default() });
         match kind {
             RequestKind::Hello => plain(json(&Hello {
                 protocol_version: PROTOCOL_VERSION,
                 library_version: LIBRARY_VERSION.to_owned(),
                 iceoryx2_version: ICEORYX2_VERSION.to_owned(),
                 pid: std::process::id(),
-                features: SessionOptions::NAMES.iter().map(|(name, _)| (*name).to_owned()).collect(),
+                features: features(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
             RequestKind::Register => self.open_session(header, request, layout),
@@ -97,8 +99,9 @@ impl Replier {
         layout: PayloadLayout,
     ) -> Result<Answer, Refusal> {
         let client = ProcessId::of(request.origin().value());
-        let session = self.registry.register(&sections(header, request.payload())?, layout, client)?;
-        Ok(Answer { session, text: String::new() })
+        let (session, num_body_vertices) =
+            self.registry.register(&sections(header, request.payload())?, layout, client)?;
+        Ok(Answer { session, num_body_vertices, text: String::new() })
     }
 
     fn reply(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout, answer: Result<Answer, Refusal>) {
@@ -126,10 +129,11 @@ impl Replier {
         layout: PayloadLayout,
         answer: Result<Answer, Refusal>,
     ) -> Result<(), ServeError> {
-        let (status, session, text) = match answer {
-            Ok(answer) => (Status::Ok, answer.session, answer.text),
-            Err(refusal) => (refusal.status, 0, refusal.message),
+        let (status, answer) = match answer {
+            Ok(answer) => (Status::Ok, answer),
+            Err(refusal) => (refusal.status, Answer { text: refusal.message, ..Answer::default() }),
         };
+        let Answer { session, num_body_vertices, text } = answer;
         check_room(text.len(), layout)?;
         let mut reply =
             request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
@@ -139,6 +143,7 @@ impl Replier {
             instance: self.registry.instance(),
             session,
             token,
+            num_body_vertices,
             ..ReplyHeader::default()
         };
         let reply = reply.write_from_slice(text.as_bytes());
@@ -163,6 +168,11 @@ fn check_room(length: usize, layout: PayloadLayout) -> Result<(), ServeError> {
         return Err(ServeError::NoRoom { what: "loaning a reply" });
     }
     Ok(())
+}
+
+/// What this daemon knows beyond what protocol 1 began with.
+fn features() -> Vec<String> {
+    SessionOptions::NAMES.iter().map(|(name, _)| *name).chain([BODY]).map(str::to_owned).collect()
 }
 
 fn json(value: &impl serde::Serialize) -> String {

@@ -1,6 +1,7 @@
 //! Repairs: a certified answer in one exchange, beside the frames of all sessions.
 
 mod auto;
+mod body;
 mod cloth;
 mod exchange;
 mod hostile;

@@ -108,6 +108,20 @@ int main(int argc, char **argv) {
         EXPECT(!repaired.poll_repair());
     }
 
+    cloth.body = {3, 4};
+    EXPECT(error_of([&] { client.open(cloth); }) == UNTANGLED_REFUSED);
+    cloth.body = {3, 4, 5};
+    {
+        auto dressed = client.open(cloth);
+        const auto beside = dressed.exchange(0.0, 0.01, {crossed.data(), crossed.size()}, 60s);
+        EXPECT(beside.summary().num_edge_face_intersections == 2);
+        for (std::size_t k = 3; k < 6; ++k) {
+            const auto &vertex = beside.vertices()[k];
+            EXPECT((vertex.flags & UNTANGLED_PINNED) && vertex.value[0] == 0 && vertex.value[2] == 0);
+        }
+    }
+    cloth.body.clear();
+
     cloth.precision = UNTANGLED_F64;
     auto precise = client.open(cloth);
     auto frame = precise.begin_frame_f64(0.0, 0.01);

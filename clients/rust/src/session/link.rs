@@ -52,6 +52,10 @@ impl Link {
         registration: &Registration,
         layout: PayloadLayout,
     ) -> Result<Self, RequestError> {
+        if !registration.body.is_empty() && reply.header.num_body_vertices == 0 {
+            // The session ends by itself: nobody takes it up.
+            return Err(RequestError::too_old("bodies", "`body`"));
+        }
         let needed = registration.state_segment_bytes(layout);
         check_memory(needed)?;
         let session = reply.header.session;

@@ -117,7 +117,7 @@ fn params_cases() -> Vec<Request> {
 /// Each section missing, of every wrong length, and with every extreme number.
 fn section_cases() -> Vec<Request> {
     let mut cases = Vec::new();
-    for section in 1..=9 {
+    for section in 1..=id::BODY {
         cases.push(section_case(section, None));
         for length in [0, 1, 3, 4, 8, 11, 12, 16, 23, 24, 31, 33, 48, 72, 100] {
             cases.push(section_case(section, Some(vec![0; length])));
@@ -169,6 +169,8 @@ fn registration_with(section: u32, bytes: Option<Vec<u8>>) -> (Vec<u8>, u32) {
         (id::PINS, indices(&[2])),
         (id::LAYERS, indices(&[0, 0, 1])),
         (id::SETTINGS, b"{}".to_vec()),
+        (id::OPTIONS, indices(&[0])),
+        (id::BODY, Vec::new()),
         (77, vec![1, 2, 3]),
     ];
     let mut writer = SectionWriter::default();
