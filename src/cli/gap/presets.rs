@@ -81,6 +81,7 @@ impl FromStr for Preset {
             .find(|tool| tool.name() == name)
             .ok_or_else(|| format!("`{name}` is no tool with a rule here: ppf, libuipc or newton"))?;
         let mut numbers = tool.numbers().to_vec();
+        let mut seen: Vec<&str> = Vec::new();
         for assignment in given.into_iter().flat_map(|given| given.split(',')) {
             let names = || tool.numbers().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" and ");
             let (key, value) =
@@ -89,6 +90,10 @@ impl FromStr for Preset {
                 .iter_mut()
                 .find(|(name, _)| *name == key)
                 .ok_or_else(|| format!("`{key}` is no number of {name}, which has {}", names()))?;
+            if seen.contains(&key) {
+                return Err(format!("`{key}` is given twice"));
+            }
+            seen.push(key);
             number.1 = value
                 .parse()
                 .ok()
@@ -152,6 +157,7 @@ mod tests {
             ("ppf:contact_gap=nan", "in metres"),
             ("ppf:contact_gap=-1", "in metres"),
             ("ppf:contact_gap=inf", "in metres"),
+            ("ppf:contact_gap=0.1,contact_gap=0.2", "`contact_gap` is given twice"),
             ("libuipc:", "NAME=METRES"),
             ("libuipc:thickness=0", "needs no distance"),
             ("libuipc:thickness=1e300", "beyond the range"),

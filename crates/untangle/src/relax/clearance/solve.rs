@@ -135,7 +135,7 @@ impl Solver<'_> {
             if iteration > 0 && progress(&self.history[iteration - 1]).is_break() {
                 break true;
             }
-            let rows = self.rows(iteration);
+            let Some(rows) = self.rows(iteration) else { break true };
             if rows.len() == 0 || iteration >= self.settings.max_iterations {
                 break false;
             }
@@ -177,10 +177,14 @@ impl Solver<'_> {
     }
 
     /// The constraints of all pairs within the horizon that can be set apart; none where no pair that can is too close.
-    fn rows(&mut self, iteration: usize) -> Constraints {
+    /// Nothing where the work is to stop: of a gap as large as the mesh, obstacles take far longer than a step.
+    fn rows(&mut self, iteration: usize) -> Option<Constraints> {
         let mut constraints = Constraints::default();
         let mut is_any_too_close = false;
         for pair in std::mem::take(&mut self.pairs) {
+            if (self.should_stop)() {
+                return None;
+            }
             let least_m = self.required.least_m(self.mesh, &self.frame, &pair);
             if self.obstacle(&pair, least_m, iteration).is_some() {
                 continue;
@@ -192,7 +196,7 @@ impl Solver<'_> {
         if !is_any_too_close {
             constraints.clear();
         }
-        constraints
+        Some(constraints)
     }
 
     /// What keeps a pair from being set apart, as far as is known after some iterations.
@@ -230,7 +234,13 @@ impl Solver<'_> {
         let pairs: Vec<ProximityPair> = self.too_close().copied().collect();
         let left = |pair: ProximityPair| -> Left {
             let least_m = self.required.least_m(self.mesh, &self.frame, &pair);
-            let obstacle = self.obstacle(&pair, least_m, iteration).unwrap_or(ClearanceObstacle::Ended);
+            // Work that was ended looks for no further obstacles.
+            let obstacle = if interrupted {
+                self.known.get(&pair.primitives).and_then(|known| known.obstacle)
+            } else {
+                self.obstacle(&pair, least_m, iteration)
+            };
+            let obstacle = obstacle.unwrap_or(ClearanceObstacle::Ended);
             (pair.primitives.vertices(self.mesh).map(|vertex| vertex.0).collect(), pair.distance_m, obstacle)
         };
         let left: Vec<Left> = pairs.iter().copied().map(left).collect();

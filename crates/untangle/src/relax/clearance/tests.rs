@@ -8,7 +8,7 @@ use crate::{
     intersect::{Intersections, Intersector},
     mesh::{Mesh, MeshDescription},
     proximity::{ProximityPair, ProximitySearch},
-    relax::{Method, RelaxSettings},
+    relax::{Iteration, Method, RelaxSettings},
 };
 
 use std::ops::ControlFlow;
@@ -181,6 +181,17 @@ fn open_gap_larger_than_edges_leaves_neighbours_on_the_surface_alone() {
     println!("{:?}", opened.infeasible.iter().map(|place| (place.obstacle, place.num_pairs)).collect::<Vec<_>>());
     println!("{} iterations, strain {}", opened.history.len(), largest_strain(&scene, &opened.positions));
     assert!(largest_strain(&scene, &opened.positions) < 0.25);
+}
+
+#[test]
+fn open_gap_as_large_as_the_mesh_that_is_stopped_looks_for_no_obstacle() {
+    let scene = sheets(6, &[&|_, _| 0.0, &|_, _| 0.1], &[]);
+    let mut progress = |_: &Iteration| ControlFlow::Continue(());
+    let opened =
+        open_gap(&scene.mesh, &scene.positions, 5.0, &RelaxSettings::default(), &mut progress, &|| true).unwrap();
+    assert!(opened.interrupted && opened.positions == scene.positions && opened.num_pairs_below > 0);
+    // Neighbours on the surface would have that reason, if they had been looked at.
+    assert!(opened.infeasible.iter().all(|place| place.obstacle == ClearanceObstacle::Ended));
 }
 
 #[test]
