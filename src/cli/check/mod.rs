@@ -36,8 +36,8 @@ use report::StageTimes;
 
 /// Finds all intersections of one mesh, or of several in one world.
 ///
-/// Exit code: 0 without intersections, 1 with, or where primitives are nearer than a gap that was asked for; 2 for bad
-/// input.
+/// Exit code: 0 without intersections, 1 with, or where vertices are inside of a body or behind an inner layer, or
+/// primitives nearer than a gap that was asked for; 2 for bad input.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
     /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world

@@ -20,8 +20,8 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::Wel
 /// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
 /// beside OUT.
 ///
-/// Exit code: 0 clean; 1 intersections remain, or primitives nearer than the gap, and OUT is the best state found;
-/// 2 bad input or usage, another error, or Ctrl-C.
+/// Exit code: 0 clean; 1 intersections remain, vertices inside of a body or behind an inner layer, or primitives nearer
+/// than the gap, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 pub struct FixArgs {
     /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world

@@ -85,7 +85,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         progress.say("untangling");
         repair.run(&input, &before, solver, interrupt, &mut progress)?
     };
-    let owners = Owners::new(&files);
+    let owners = Owners::new(files.iter().chain(&roles.bodies));
     let clearing = Clearing { repair: &repair, asked: args.gap.asked(), input: &input, owners: &owners };
     let (repaired, gap) = clearing.run(repaired, interrupt, &mut progress)?;
     let Repaired { written, history, mut blocked, time_limit_reached } = repaired;

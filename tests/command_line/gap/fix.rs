@@ -101,6 +101,32 @@ fn fix_with_gap_between_pinned_sheets_names_the_place_and_ends_with_1() {
     assert!(text.contains("too close: ") && text.contains("all its vertices are pinned"), "{text}");
 }
 
+#[test]
+fn fix_with_gap_beside_a_body_names_the_body_and_its_vertices() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let sheet =
+        |name: &str, z: f64| format!("o {name}\nv 0 0 {z}\nv 4 0 {z}\nv 4 4 {z}\nv 0 4 {z}\nf 1 2 3\nf 1 3 4\n");
+    fs::write(path.join("a.obj"), sheet("lid", 0.05)).unwrap();
+    fs::write(path.join("b.obj"), sheet("floor", 0.0)).unwrap();
+    fs::write(path.join("pins"), "0 1 2 3").unwrap();
+    let output = fix(&["a.obj", "--body", "b.obj", "-o", "c.obj", "--json", "--gap", "0.1", "--pin", "pins"], path);
+    assert_eq!(code(&output), 1);
+    let gap = &json(&output)["gap"];
+    let mut files: Vec<&str> =
+        gap["nearest"]["sides"].as_array().unwrap().iter().map(|side| side["file"].as_str().unwrap()).collect();
+    files.sort_unstable();
+    assert_eq!(files, ["a.obj", "b.obj"], "{gap}");
+    let owners = gap["infeasible"][0]["owners"].as_array().unwrap();
+    assert_eq!(owners.len(), 2, "{gap}");
+    assert_eq!((&owners[1]["file"], &owners[1]["part"]), (&"b.obj".into(), &"object \"floor\"".into()));
+    assert_eq!(owners[1]["vertices_in_file"], serde_json::json!([0, 1, 2, 3]));
+    let text = fix(&["a.obj", "--body", "b.obj", "-o", "d.obj", "--gap", "0.1", "--pin", "pins"], path).stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("of b.obj, object \"floor\""), "{text}");
+    assert!(text.contains("nothing intersects, but the gap is not kept"), "{text}");
+}
+
 /// Mean edge of an OBJ.
 fn mean_edge(path: &Path) -> f64 {
     rules::TestMesh::read(path, false).mean_edge()

@@ -251,7 +251,12 @@ impl Display for Report {
         writeln!(
             f,
             "  {}: {} became {}, {} became {}",
-            if self.clean { "clean" } else { "not clean" },
+            match (self.clean, self.after.is_certified()) {
+                (true, _) => "clean",
+                // What is left otherwise is said by its number.
+                (false, true) => "nothing intersects, but the gap is not kept",
+                (false, false) => "not clean",
+            },
             Counted(self.before.num_face_pairs, "intersecting face pair"),
             self.after.num_face_pairs,
             Counted(self.before.num_edge_face_intersections, "edge-face intersection"),
