@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    constraints::{Orientation, StrainLimits},
+    constraints::StrainLimits,
     energy::{ArapEnergy, Domain, RestShape},
     outcome::{Iteration, Method, RelaxError},
     settings::{RelaxSettings, ShouldStop, StopObserver},
@@ -24,6 +24,7 @@ use crate::{
     mesh::{Mesh, VertexId},
     paths::{IntersectionPaths, PathFinder},
     settings::{InsideChoice, Settings},
+    sides::Orientation,
     sparse_map::SparseMap,
 };
 
@@ -51,9 +52,9 @@ pub(super) struct Relaxer<'a> {
     pub(super) trials: Vec<Trial>,
     /// Vertices where the sheets are to pass through each other.
     pub(super) passing: SparseMap<VertexId, ()>,
-    /// The islands of the input, which say what moves together during shape recovery.
+    /// The islands of the input, which say what belongs together once nothing intersects any more.
     pub(super) first_islands: Islands,
-    /// The bodies, if there are any.
+    /// The bodies and layers, if there are any.
     pub(super) sides: Option<SideTracker>,
     /// Whether there are chains among pinned vertices.
     pub(super) has_pinned_chains: bool,
@@ -103,7 +104,7 @@ impl<'a> Relaxer<'a> {
         Ok(())
     }
 
-    /// The free vertices that are inside of a body.
+    /// The free vertices on the wrong side: inside of a body, or behind a layer.
     pub(super) fn wrong_vertices(&self) -> Vec<VertexId> {
         let positions = self.frame.positions();
         self.sides.as_ref().map(|sides| sides.wrong_vertices(self.mesh, positions)).unwrap_or_default()
@@ -170,7 +171,7 @@ impl<'a> Relaxer<'a> {
         trials.for_each(|(trial, settings)| trial.run(&context, *settings, should_stop));
     }
 
-    /// Whether nothing intersects that a motion can change, and no free vertex is inside of a body.
+    /// Whether nothing intersects that a motion can change, and no free vertex is on the wrong side.
     pub(super) fn is_clean(&self) -> bool {
         num_movable(self.mesh, &self.analyser.last().intersections) == 0 && self.wrong_vertices().is_empty()
     }

@@ -12,7 +12,6 @@ mod local;
 mod rows;
 mod strain_limits;
 
-pub(crate) use crate::sides::Orientation;
 pub(crate) use from_paths::{ConstraintSource, Objective, collect, collect_undecided};
 pub(crate) use local::{LocalConstraints, row_value};
 pub(crate) use rows::Constraints;

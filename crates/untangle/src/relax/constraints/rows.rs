@@ -63,12 +63,7 @@ impl Constraints {
         direction: Vector3<f64>,
         wanted_m: f64,
     ) {
-        for (point, sign) in [(own, 1.0), (partner, -1.0)] {
-            for (&vertex, weight) in point.vertices.iter().zip(point.weights).filter(|(_, weight)| *weight != 0.0) {
-                self.terms.push((vertex, direction * (sign * weight)));
-            }
-        }
-        self.finish_row(wanted_m);
+        self.push(own, Some(partner), direction, wanted_m);
     }
 
     /// A point moves along `direction` by `wanted_m`, more than its partner where that is no fixed point.

@@ -109,7 +109,7 @@ struct Descent {
     /// Each with its island.
     motions: Vec<(Motion, usize)>,
     now: Vec<Score>,
-    /// Free vertices inside of bodies.
+    /// Free vertices on the wrong side of bodies and layers.
     num_wrong: usize,
     sides: SideRows,
     /// For all kinds of rows.

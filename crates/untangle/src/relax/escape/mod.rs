@@ -17,6 +17,6 @@ mod motion;
 mod rows;
 mod score;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 pub(super) use descent::descend;

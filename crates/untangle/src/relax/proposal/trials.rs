@@ -10,13 +10,14 @@ use crate::{
     geometry::mean_edge_length,
     mesh::VertexId,
     relax::{
-        constraints::{ConstraintSource, Objective, Orientation, StrainLimits, collect},
+        constraints::{ConstraintSource, Objective, StrainLimits, collect},
         energy::{ArapEnergy, Domain, RestShape},
         step::{
             Islands, Seams, Tangle, Trial, TrialContext, TrialSettings, choose_together, least_tangled, mark_passing,
             measure,
         },
     },
+    sides::Orientation,
     sparse_map::SparseMap,
 };
 

@@ -105,14 +105,13 @@ impl<'a> CollisionFreeStep<'a> {
         false
     }
 
-    /// All pairs of an edge and a face that intersect in a state, in order.
-    fn intersections_of(&self, positions: &[Point3<f64>]) -> Vec<(EdgeId, FaceId)> {
-        let Ok(frame) = Frame::new(self.mesh, &positions.iter().map(|point| (*point).into()).collect::<Vec<_>>())
-        else {
+    /// All pairs of an edge and a face that intersect in a state, in order; none where the numbers don't allow it.
+    fn intersections_of(&mut self, positions: &[Point3<f64>]) -> Vec<(EdgeId, FaceId)> {
+        if self.frame.set(self.mesh, positions.iter().map(|point| (*point).into())).is_err() {
             return Vec::new();
-        };
+        }
         let mut found = Intersections::default();
-        Intersector::default().intersect(self.mesh, &frame, &mut found);
+        self.intersector.intersect(self.mesh, &self.frame, &mut found);
         found.edge_face.iter().map(|found| (found.edge, found.face)).collect()
     }
 

@@ -7,8 +7,8 @@ use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh},
     paths::SurfacePoint,
-    relax::constraints::Orientation,
     respond::contour::GUARD,
+    sides::Orientation,
 };
 
 /// Directions whose cosine is beyond this count as one.

@@ -13,7 +13,7 @@ use crate::{
     frame::Frame,
     intersect::Intersections,
     mesh::{FaceId, Mesh, VertexId},
-    relax::constraints::Orientation,
+    sides::Orientation,
 };
 
 /// The first radius of the windows round a contour, in mean edge lengths, and its growth.

@@ -1,12 +1,7 @@
 use nalgebra::Vector3;
 
 use super::{Motion, MotionFinder, Scene, Shadow, contours, remaining_depth_m};
-use crate::{
-    analysis::analyse,
-    frame::Frame,
-    mesh::Mesh,
-    relax::{constraints::Orientation, escape::tests::samples::Pieces},
-};
+use crate::{analysis::analyse, frame::Frame, mesh::Mesh, relax::escape::tests::samples::Pieces, sides::Orientation};
 
 /// The motions of all contours of a scene.
 fn motions(mesh: &Mesh, frame: &Frame) -> Vec<Motion> {

@@ -1,4 +1,4 @@
-pub(super) mod samples;
+pub(in crate::relax) mod samples;
 
 use std::ops::ControlFlow;
 

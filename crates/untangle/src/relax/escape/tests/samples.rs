@@ -9,8 +9,8 @@ use crate::{
 
 /// Pieces of one mesh.
 #[derive(Default)]
-pub(in crate::relax::escape) struct Pieces {
-    pub(in crate::relax::escape) positions: Vec<[f64; 3]>,
+pub(in crate::relax) struct Pieces {
+    pub(in crate::relax) positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
 }
 
@@ -34,7 +34,7 @@ impl Pieces {
     }
 
     /// A strip that sticks through a level sheet of `squares x squares` squares by a distance.
-    pub(in crate::relax::escape) fn tongue(squares: u32, out_m: f64) -> Self {
+    pub(in crate::relax) fn tongue(squares: u32, out_m: f64) -> Self {
         let mut pieces = Self::default();
         pieces.add([squares, squares], false, |u, v| [2.0 * u - 1.0, 2.0 * v - 1.0, 0.01 * (5.0 * u + 3.0 * v).sin()]);
         pieces.add([squares / 4, squares / 2], false, |u, v| {
@@ -44,7 +44,7 @@ impl Pieces {
     }
 
     /// Two tubes that cross at right angles, the upper one sunk into the lower one by a third of their radius.
-    pub(in crate::relax::escape) fn tubes(squares: u32) -> Self {
+    pub(in crate::relax) fn tubes(squares: u32) -> Self {
         let mut pieces = Self::default();
         let tube = |u: f64, v: f64| [1.203 * (2.0 * v - 1.0), 0.3 * (TAU * u).cos(), 0.3 * (TAU * u).sin()];
         pieces.add([squares, 2 * squares], true, tube);
@@ -56,7 +56,7 @@ impl Pieces {
     }
 
     /// A sheet with a finger that goes through a second sheet.
-    pub(in crate::relax::escape) fn finger(squares: u32) -> Self {
+    pub(in crate::relax) fn finger(squares: u32) -> Self {
         let mut pieces = Self::default();
         pieces.add([squares, squares], false, |u, v| {
             let [x, y] = [2.0 * u - 1.0, 2.0 * v - 1.0];
@@ -66,7 +66,7 @@ impl Pieces {
         pieces
     }
 
-    pub(in crate::relax::escape) fn mesh(&self) -> (Mesh, Frame) {
+    pub(in crate::relax) fn mesh(&self) -> (Mesh, Frame) {
         let description =
             MeshDescription { num_vertices: self.positions.len(), faces: self.faces.clone(), ..Default::default() };
         let mesh = Mesh::new(description).unwrap();
