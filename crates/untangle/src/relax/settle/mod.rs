@@ -15,6 +15,8 @@
 
 mod contacts;
 mod taper;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::Point3;
 
@@ -34,8 +36,11 @@ const LEFT_RINGS: usize = 3;
 const MAX_STEPS: usize = 40;
 /// Ends where two steps take away less than this part of the energy.
 const MIN_GAIN: f64 = 0.02;
-/// Weight of the elastic energy beside the step: its root is the length, in edges, over which a displacement decays.
-const STIFFNESS: f64 = 1280.0;
+/// Most weight of the elastic energy beside the step: its root is the length, in edges, over which a displacement
+/// decays. Where a weaker pull is enough for the strain below, the pull gets weaker and not this larger.
+const MAX_STIFFNESS: f64 = 1280.0;
+/// Least weight, for displacements far below an edge.
+const MIN_STIFFNESS: f64 = 16.0;
 /// The part of it that keeps lengths of edges only.
 const MEMBRANE: f64 = 0.98;
 /// Strain that the pull towards the input may cost: the largest displacement is spread over a length of which it is
@@ -113,6 +118,7 @@ fn recover(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<boo
 #[derive(Default)]
 struct Settling {
     edge_length_m: f64,
+    stiffness: f64,
     anchor: f64,
     contacts: Contacts,
     solver: DisplacementSolver,
@@ -124,8 +130,9 @@ impl Settling {
         let moved_m = |&vertex: &VertexId| (frame.position(vertex) - rest.position(vertex)).norm();
         let largest_m = domain.vertices().iter().map(moved_m).fold(0.0, f64::max);
         let length_edges = largest_m / (STRAIN * edge_length_m);
-        let anchor = (STIFFNESS / (length_edges * length_edges)).min(1.0);
-        Self { edge_length_m, anchor, ..Self::default() }
+        let square = (length_edges * length_edges).max(MIN_STIFFNESS);
+        let stiffness = square.min(MAX_STIFFNESS);
+        Self { edge_length_m, stiffness, anchor: stiffness / square, ..Self::default() }
     }
 
     /// One step that lowers the energy, and the energy after it. Sets `before` to the energy before it, if that is not
@@ -136,8 +143,14 @@ impl Settling {
             ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, membrane: MEMBRANE, anchor: self.anchor };
         let reach_m = self.find_contacts(relaxer)?;
         self.solver.budget = BUDGET;
-        if !self.solver.solve(&energy, STIFFNESS, f64::INFINITY, &self.contacts.rows, Start::Cold, relaxer.should_stop)
-        {
+        if !self.solver.solve(
+            &energy,
+            self.stiffness,
+            f64::INFINITY,
+            &self.contacts.rows,
+            Start::Cold,
+            relaxer.should_stop,
+        ) {
             return None;
         }
         let largest_m = self.solver.displacement.iter().map(|displacement| displacement.norm()).fold(0.0, f64::max);
@@ -152,9 +165,9 @@ impl Settling {
             return None;
         }
         if before.is_infinite() {
-            *before = energy.value(STIFFNESS, frame.positions());
+            *before = energy.value(self.stiffness, frame.positions());
         }
-        let after = energy.value(STIFFNESS, &positions);
+        let after = energy.value(self.stiffness, &positions);
         let strain = |positions: &[Point3<f64>]| largest_strain(relaxer, positions).max(MAX_STRAIN);
         (after < *before && strain(&positions) <= strain(frame.positions())).then_some((positions, after))
     }
