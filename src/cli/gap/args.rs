@@ -12,7 +12,7 @@ pub struct GapArgs {
     #[arg(long, value_name = "METRES", value_parser = metres, allow_negative_numbers = true)]
     pub gap: Option<f64>,
     /// The gap that a solver needs, by its own numbers in metres: ppf (contact_gap=0.001, contact_offset=0: two of
-    /// both), libuipc (thickness=0.001: more than two), newton (margin=0.005, gap=0: two of both)
+    /// both), libuipc (thickness=0.001: more than two), newton (margin=0.005, gap=0: the sum)
     #[arg(long, value_name = "TOOL[:NAME=METRES,...]", conflicts_with = "gap")]
     pub gap_for: Option<Preset>,
 }

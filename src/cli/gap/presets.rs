@@ -19,8 +19,8 @@ pub enum Tool {
     Ppf,
     /// libuipc: a pair fails when its squared distance is at most the square of the sum of its two thicknesses.
     Libuipc,
-    /// Newton: two surfaces push each other where they are nearer than the sum of their margins; contacts are looked
-    /// for within the gap beyond it.
+    /// Newton (VBD, self-contact): a vertex and a triangle, or two edges, push each other where they are nearer than the
+    /// margin; contacts are looked for within the gap beyond it.
     Newton,
 }
 
@@ -50,7 +50,7 @@ impl Tool {
             [contact_gap, contact_offset] if self == Self::Ppf => 2.0 * contact_gap + 2.0 * contact_offset,
             // Strictly more is needed, in the arithmetic of the tool.
             [thickness] if self == Self::Libuipc => 2.0 * thickness * (1.0 + STRICTLY_MORE),
-            _ => 2.0 * numbers.iter().sum::<f64>(),
+            _ => numbers.iter().sum(),
         }
     }
 }
@@ -129,8 +129,8 @@ mod tests {
             ("ppf", 0.002),
             ("ppf:contact_gap=0.003", 0.006),
             ("ppf:contact_gap=0.001,contact_offset=0.0005", 0.003),
-            ("newton", 0.01),
-            ("newton:margin=0.001,gap=0.002", 0.006),
+            ("newton", 0.005),
+            ("newton:margin=0.001,gap=0.002", 0.003),
         ] {
             assert!((distance(text) - expected).abs() < 1e-15, "{text}");
         }
