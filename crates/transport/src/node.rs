@@ -7,7 +7,7 @@ use iceoryx2::{
     config::Config,
     node::{NodeCreationFailure, NodeListFailure},
     prelude::{CallbackProgression, Node, NodeBuilder, NodeState, PortFactory, SignalHandlingMode, ZeroCopySend},
-    service::port_factory::publish_subscribe,
+    service::{Service, ServiceListError, port_factory::publish_subscribe},
 };
 use untangled_proto::CorrectionHeader;
 
@@ -40,6 +40,39 @@ pub fn living(config: &Config) -> Result<Vec<u128>, NodeListFailure> {
         CallbackProgression::Continue
     })?;
     Ok(ids)
+}
+
+/// A service that no node uses: what a process leaves that is killed while it removes the service.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnusedService {
+    /// How the name of its record in shared memory of who uses it ends; the file may be gone.
+    pub users_file_end: String,
+    /// Its description in the folder of services, without the domain's prefix.
+    pub description_file: String,
+}
+
+/// The services that no node uses. A service that is being created is among them for a moment.
+///
+/// Cost: some system calls for each service.
+///
+/// # Errors
+/// The error of iceoryx2.
+pub fn unused_services(config: &Config) -> Result<Vec<UnusedService>, ServiceListError> {
+    let mut unused = Vec::new();
+    Ipc::list(config, |service| {
+        if service.dynamic_details.is_none_or(|users| users.nodes.is_empty()) {
+            let details = &service.static_details;
+            // It writes the number in base 16; the name of the file has it in base 10.
+            if let Ok(id) = u128::from_str_radix(&details.unique_service_id().to_string(), 16) {
+                unused.push(UnusedService {
+                    users_file_end: format!("_{id}.dynamic"),
+                    description_file: format!("{}.service", details.service_hash().as_str()),
+                });
+            }
+        }
+        CallbackProgression::Continue
+    })?;
+    Ok(unused)
 }
 
 /// Whether a process that uses a service is gone, as far as its nodes can be listed.

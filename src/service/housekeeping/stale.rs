@@ -2,7 +2,8 @@
 //!
 //! iceoryx2 cleans up a dead node by the node's tags. A process that was killed between creating a file and noting it
 //! in a tag leaves a file that no tag names; one that was killed while it wrote a tag leaves a tag that can't be read,
-//! and the node stays. Each such file is small, but nothing else would remove it while this daemon runs.
+//! and the node stays. One that was killed while it removed a service that nobody else used leaves a service without
+//! users. Each such file is small, but nothing else would remove it while this daemon runs.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -31,17 +32,23 @@ impl StaleResources {
 
     /// Removes files and folders that have looked stale in [`SWEEPS`] sweeps in a row; returns their number.
     ///
-    /// A file looks stale if its name carries the id of a process that is gone, and no living node has that id. The
-    /// second condition protects processes of other namespaces, whose ids can't be seen from here.
+    /// A file looks stale if its name carries the id of a process that is gone, and no living node has that id, or if
+    /// it belongs to a service that no node uses. The second condition protects processes of other namespaces, whose
+    /// ids can't be seen from here.
     pub(crate) fn sweep(&mut self, domain: &Domain, config: &Config) -> Result<usize> {
         // Files are listed before nodes: a process creates its node before any of its files.
         let orphans = orphans(domain)?;
         let living = if orphans.is_empty() { HashSet::new() } else { living_processes(config)? };
         let is_stale = |processes: &[ProcessId]| processes.iter().any(|process| !living.contains(process));
         let stale = orphans.into_iter().filter(|(_, gone)| is_stale(gone)).map(|(path, _)| path);
+        let stale = stale.chain(files_of_unused_services(domain, config)?);
         self.0 = stale.map(|path| (path.clone(), self.0.get(&path).map_or(1, |num_sweeps| num_sweeps + 1))).collect();
+        let mut due: Vec<&PathBuf> =
+            self.0.iter().filter(|&(_, &count)| count >= SWEEPS).map(|(path, _)| path).collect();
+        // The description of a service names its other file, and has to go last.
+        due.sort_by_key(|path| path.starts_with(services_folder(domain)));
         let mut removed = 0;
-        for path in self.0.iter().filter(|&(_, &num_sweeps)| num_sweeps >= SWEEPS).map(|(path, _)| path) {
+        for path in due {
             let result = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
             removed += usize::from(result.is_ok());
         }
@@ -75,6 +82,31 @@ fn orphans(domain: &Domain) -> Result<Vec<(PathBuf, Vec<ProcessId>)>> {
     Ok(orphans)
 }
 
+fn services_folder(domain: &Domain) -> PathBuf {
+    domain.root().join("services")
+}
+
+/// The files of services that no node uses.
+fn files_of_unused_services(domain: &Domain, config: &Config) -> Result<Vec<PathBuf>> {
+    let services =
+        node::unused_services(config).map_err(|error| std::io::Error::other(format!("listing services: {error:?}")))?;
+    if services.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(memory::FOLDER)?.flatten() {
+        let name = entry.file_name();
+        let Some(name) = name.to_str().filter(|name| name.starts_with(domain.prefix())) else { continue };
+        if services.iter().any(|service| name.ends_with(&service.users_file_end)) {
+            files.push(entry.path());
+        }
+    }
+    let folder = services_folder(domain);
+    files
+        .extend(services.iter().map(|service| folder.join(format!("{}{}", domain.prefix(), service.description_file))));
+    Ok(files)
+}
+
 /// The processes of all nodes that are not known to be dead.
 fn living_processes(config: &Config) -> Result<HashSet<ProcessId>> {
     let ids = node::living(config).map_err(|error| std::io::Error::other(format!("listing nodes: {error:?}")))?;
@@ -86,7 +118,7 @@ mod tests {
     use std::fs;
 
     use iceoryx2::prelude::SignalHandlingMode;
-    use untangled_transport::lock::WipeOnLeave;
+    use untangled_transport::{lock::WipeOnLeave, services};
 
     use super::*;
 
@@ -127,5 +159,52 @@ mod tests {
         assert_eq!(removed, [0, 0, 0, 0, 5, 0]);
         assert_eq!(counts, (0, false, 2));
         assert!(stale.0.is_empty(), "removed files are no longer listed");
+    }
+
+    #[test]
+    fn sweep_removes_services_that_no_node_uses_and_keeps_those_in_use() {
+        let base = std::env::temp_dir().join(format!("unused-{}", std::process::id()));
+        let domain = Domain::new("unused", Some(&base), rustix::process::getuid().as_raw()).unwrap();
+        domain.create_folders().unwrap();
+        let config = domain.config().unwrap();
+        let node = node::create(&config, SignalHandlingMode::Disabled).unwrap();
+        let files = || -> Vec<PathBuf> {
+            let memory = fs::read_dir(memory::FOLDER).unwrap().flatten().map(|entry| entry.path());
+            let memory = memory.filter(|path| {
+                let name = path.file_name().unwrap().to_str().unwrap();
+                name.starts_with(domain.prefix()) && name.ends_with(".dynamic")
+            });
+            memory.chain(fs::read_dir(services_folder(&domain)).unwrap().flatten().map(|entry| entry.path())).collect()
+        };
+        let in_use = services::create_session_event(&node, "in use").unwrap();
+        let kept = files();
+        // A process that is killed while it removes a service leaves both of its files or the description.
+        let mut left = Vec::new();
+        let leaver = node::create(&config, SignalHandlingMode::Disabled).unwrap();
+        for (name, num_left) in [("both", 2), ("description", 1)] {
+            let service = services::create_session_event(&leaver, name).unwrap();
+            let mut of_service: Vec<_> = files().into_iter().filter(|path| !kept.contains(path)).collect();
+            assert_eq!(of_service.len(), 2);
+            of_service.sort_by_key(|path| !path.starts_with(services_folder(&domain)));
+            let saved: Vec<_> = of_service
+                .into_iter()
+                .map(|path| (path.clone(), fs::read(&path).unwrap(), fs::metadata(&path).unwrap()))
+                .collect();
+            drop(service);
+            left.extend(saved.into_iter().take(num_left));
+        }
+        drop(leaver);
+        left.iter().for_each(|(path, bytes, metadata)| {
+            fs::write(path, bytes).unwrap();
+            fs::set_permissions(path, metadata.permissions()).unwrap();
+        });
+        let mut stale = StaleResources::default();
+        let removed: Vec<usize> = (0..=SWEEPS).map(|_| stale.sweep(&domain, &config).unwrap()).collect();
+        let after = files();
+        drop((in_use, node));
+        drop(WipeOnLeave(domain.clone()));
+        let _ = fs::remove_dir_all(&base);
+        assert_eq!(removed, [0, 0, 0, 0, 3, 0]);
+        assert_eq!(after, kept);
     }
 }

@@ -10,7 +10,7 @@ use super::{
     row::Row,
     witness::Witness,
 };
-use crate::process::{ClientProcess, Programs, TestDomain, eventually};
+use crate::process::{ClientProcess, Programs, TestDomain, eventually, eventually_no_more};
 
 /// Clients killed at any moment: while they connect, register, exchange frames, or hold a loan.
 pub fn client_kills(programs: Programs, num_tries: u64, seed: u64) -> Row {
@@ -20,7 +20,7 @@ pub fn client_kills(programs: Programs, num_tries: u64, seed: u64) -> Row {
     let mut daemon = programs.start_daemon(&domain);
     let witness = Witness::start(&domain, 500, Duration::from_millis(1), false);
     witness.wait_for_frame();
-    let before = (domain.shared_memory().len(), daemon.memory(), domain.files().len());
+    let before = (domain.shared_memory(), daemon.memory(), domain.files());
     let mut moments = BTreeMap::<String, u64>::new();
     for attempt in 0..num_tries {
         let role = ["frames", "register", "loan"][attempt as usize % 3];
@@ -35,12 +35,12 @@ pub fn client_kills(programs: Programs, num_tries: u64, seed: u64) -> Row {
         *moments.entry(client.kill()).or_default() += 1;
     }
     eventually("the sessions of the dead are gone", || num_sessions(&domain) == 1);
-    eventually("their shared memory is gone", || domain.shared_memory().len() <= before.0);
-    eventually("their files are gone", || domain.files().len() <= before.2);
+    eventually_no_more("shared memory than before", &before.0, || domain.shared_memory());
+    eventually_no_more("files than before", &before.2, || domain.files());
     row.note = format!(
         "killed {}; shared-memory files {} before and {} after, daemon's memory {:.1} and {:.1} MB",
         moments.iter().map(|(moment, count)| format!("{moment} {count}")).collect::<Vec<_>>().join(", "),
-        before.0,
+        before.0.len(),
         domain.shared_memory().len(),
         before.1 as f64 / 1e6,
         daemon.memory() as f64 / 1e6,

@@ -17,4 +17,4 @@ pub use known_cloth::KnownCloth;
 pub use peer::{RawPeer, RawSession, header, node, session_service_name};
 pub(crate) use program::build_folder;
 pub use program::{serve, this_test, untangled};
-pub use wait::{PATIENCE, eventually};
+pub use wait::{PATIENCE, eventually, eventually_no_more};

@@ -13,3 +13,19 @@ pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
         std::thread::sleep(Duration::from_millis(10));
     }
 }
+
+/// Waits until there are no more items than before; panics after [`PATIENCE`] and names those that were not there before.
+pub fn eventually_no_more<T: PartialEq + std::fmt::Debug>(what: &str, before: &[T], now: impl Fn() -> Vec<T>) {
+    let end = Instant::now() + PATIENCE;
+    loop {
+        let items = now();
+        if items.len() <= before.len() {
+            return;
+        }
+        if Instant::now() >= end {
+            let new: Vec<T> = items.into_iter().filter(|item| !before.contains(item)).collect();
+            panic!("never: no more {what}; new ones are {new:?}");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
