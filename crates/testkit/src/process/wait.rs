@@ -14,7 +14,7 @@ pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// Waits until there are no more items than before; panics after [`PATIENCE`] and names those that were not there before.
+/// Waits until there are no more items than before; panics after [`PATIENCE`] and names the new ones.
 pub fn eventually_no_more<T: PartialEq + std::fmt::Debug>(what: &str, before: &[T], now: impl Fn() -> Vec<T>) {
     let end = Instant::now() + PATIENCE;
     loop {
