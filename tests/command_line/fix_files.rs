@@ -7,7 +7,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::mesh_folder::{FAR, SQUARE, code, complaint, fix, folder, json, names};
+use crate::mesh_folder::{FAR, SQUARE, code, command, complaint, fix, folder, json, names};
 
 #[test]
 fn fix_of_clean_files_writes_them_byte_for_byte() {
@@ -66,11 +66,68 @@ fn fix_of_several_files_writes_one_or_as_many() {
     let text = complaint(&["far.ply", "clean.glb", "-o", "both.glb"], path);
     assert!(text.contains("both.glb: glTF is only written from one glTF file"), "{text}");
     let text = complaint(&["far.ply", "-o", "a.stl"], path);
-    assert!(text.contains("a.stl: meshes are written as .obj, .ply, .gltf or .glb"), "{text}");
+    assert!(text.contains("a.stl: STL is only written from one STL file; write .obj or .ply"), "{text}");
     let text = complaint(&["far.ply", "-o", "none/a.ply"], path);
     assert!(text.contains("none/a.ply: there is no folder none"), "{text}");
     let text = complaint(&["far.ply", "-o", "none/"], path);
     assert!(text.contains("none/: there is no such folder"), "{text}");
+}
+
+/// The triangles of an OBJ without polygons as ascii STL.
+fn stl_of(obj: &str) -> String {
+    let numbers = |line: &str| -> Vec<String> { line.split_whitespace().skip(1).map(str::to_owned).collect() };
+    let places: Vec<_> = obj.lines().filter(|line| line.starts_with("v ")).map(numbers).collect();
+    let mut stl = String::from("solid cloth\n");
+    for face in obj.lines().filter(|line| line.starts_with("f ")).map(numbers) {
+        let corners = face.iter().map(|corner| places[corner.parse::<usize>().unwrap() - 1][..3].join(" "));
+        let corners: Vec<String> = corners.map(|place| format!("vertex {place}\n")).collect();
+        stl += &format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", corners.concat());
+    }
+    stl + "endsolid cloth\n"
+}
+
+#[test]
+fn fix_of_stl_ends_clean_with_whole_sheets_as_that_of_obj() {
+    let folder = folder();
+    let path = folder.path();
+    let mut obj = String::new();
+    for (sheet, turn) in [(0, false), (1, true)] {
+        for row in 0..6 {
+            for column in 0..6 {
+                let [u, v] = [column, row].map(|k| f64::from(k) * 0.2 - 0.5);
+                let [x, y, z] = if turn { [0.51, u + 0.013, v] } else { [u + 0.31, v, 0.02] };
+                obj += &format!("v {x:.3} {y:.3} {z:.3}\n");
+                let a = 36 * sheet + 6 * row + column + 1;
+                if row < 5 && column < 5 {
+                    obj += &format!("f {} {} {}\nf {} {} {}\n", a, a + 1, a + 6, a + 6, a + 1, a + 7);
+                }
+            }
+        }
+    }
+    fs::write(path.join("sheets.obj"), &obj).unwrap();
+    fs::write(path.join("sheets.stl"), stl_of(&obj)).unwrap();
+    let reports = ["obj", "stl"].map(|extension| {
+        let [name, out] = ["sheets", "out"].map(|stem| format!("{stem}.{extension}"));
+        let output = fix(&[&name, "-o", &out, "--json"], path);
+        assert_eq!(code(&output), 0, "{output:?}");
+        let again = command("check", path).args([&out, "--json"]).output().unwrap();
+        assert_eq!(code(&again), 0, "{again:?}");
+        json(&command("check", path).args([&name, "--json"]).output().unwrap())
+    });
+    for key in ["num_vertices", "num_faces", "num_pieces", "num_edge_face_intersections"] {
+        assert_eq!(reports[0][key], reports[1][key], "{key}");
+        assert!(reports[0][key].as_u64() > Some(0), "{key}");
+    }
+    let facets = |name: &str| fs::read_to_string(path.join(name)).unwrap().matches("endfacet").count();
+    assert_eq!(facets("out.stl"), facets("sheets.stl"));
+    // Corners that were in one place are in one place.
+    let places = |name: &str| {
+        let text = fs::read_to_string(path.join(name)).unwrap();
+        let places = text.lines().filter(|line| line.starts_with("vertex")).map(str::to_owned);
+        places.collect::<std::collections::BTreeSet<_>>().len()
+    };
+    assert_eq!(places("out.stl"), places("sheets.stl"));
+    assert_eq!(code(&fix(&["sheets.stl", "-o", "as.ply"], path)), 0);
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub enum ReadErrorKind {
     #[error("can't be read: {0}")]
     Io(#[from] std::io::Error),
     /// Neither the name nor the first bytes tell the format.
-    #[error("not a known mesh format; expected OBJ, PLY, glTF or GLB")]
+    #[error("not a known mesh format; expected OBJ, PLY, STL, glTF or GLB")]
     UnknownFormat,
     /// No vertices or no faces.
     #[error("no mesh in it: {num_vertices} vertices, {num_faces} faces")]
@@ -130,11 +130,14 @@ pub enum WriteError {
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// The name of the file does not tell a format.
-    #[error("meshes are written as .obj, .ply, .gltf or .glb")]
+    #[error("meshes are written as .obj, .ply, .stl, .gltf or .glb")]
     UnknownFormat,
     /// glTF holds neither polygons nor several documents, and needs data that other formats don't have.
     #[error("glTF is only written from one glTF file; write .obj or .ply")]
     OnlyFromGltf,
+    /// STL has no vertices that faces share, so that what is read back would be counted otherwise.
+    #[error("STL is only written from one STL file; write .obj or .ply")]
+    OnlyFromStl,
     /// The number of positions is not the number of vertices.
     #[error("{given} positions were given for {expected} vertices")]
     Length {

@@ -11,6 +11,8 @@ pub enum FileFormat {
     Ply,
     /// glTF 2.0, as `.gltf` with its buffers or as `.glb`.
     Gltf,
+    /// STL, ascii or binary.
+    Stl,
 }
 
 impl FileFormat {
@@ -22,11 +24,12 @@ impl FileFormat {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "gltf" | "glb" => Some(Self::Gltf),
+            "stl" => Some(Self::Stl),
             _ => None,
         }
     }
 
-    /// The format that the first bytes of a file show. OBJ has no such mark, nor has glTF as text.
+    /// The format that the first bytes of a file show. OBJ and STL have no such mark, nor has glTF as text.
     pub(crate) fn of_content(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r\n") {
             Some(Self::Ply)

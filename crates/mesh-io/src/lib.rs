@@ -1,10 +1,11 @@
-//! Mesh files in and out: OBJ, PLY and glTF; intersection paths as lines.
+//! Mesh files in and out: OBJ, PLY, STL and glTF; intersection paths as lines.
 //!
 //! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
-//!   the file and are split into triangles only for the analysis. Positions are kept in double precision.
+//!   the file and are split into triangles only for the analysis. Positions are kept in double precision. STL alone has
+//!   no vertices: corners of facets that are in one place are one.
 //! - A [`MeshFile`] keeps the bytes that it was read from and the byte offset of each coordinate. Written back with
 //!   other positions, it differs from the file that was read in the coordinates that changed and in no other byte; in
-//!   glTF also in the bounds of positions and in links to buffers that changed.
+//!   glTF also in the bounds of positions and in links to buffers that changed, in STL in normals of facets that moved.
 //! - Input is not trusted: a header that lies about its lengths costs an error, not memory. A glTF document may ask for
 //!   64 bytes of mesh for each of its own, and reads files of its own folder only.
 //!
@@ -35,7 +36,7 @@
 //! |---|---|
 //! | `printable` | text of files as a terminal may show it |
 //! | `error` | why a file was not read or not written |
-//! | `formats` | `obj`, `ply`, `gltf`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
+//! | `formats` | `obj`, `ply`, `gltf`, `stl`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
 //! | `world` | several files in one world |

@@ -17,6 +17,7 @@ use crate::{
         part::Part,
         ply,
         polygon::Polygons,
+        stl,
     },
 };
 
@@ -26,6 +27,7 @@ enum Document {
     Obj(obj::ObjDocument),
     Ply(ply::PlyDocument),
     Gltf(gltf::GltfDocument),
+    Stl(stl::StlDocument),
 }
 
 /// A mesh file as it was read.
@@ -55,6 +57,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
         FileFormat::Gltf => gltf::parse(bytes, path.parent().unwrap_or_else(|| Path::new("")))
             .map(|(data, document)| (data, Document::Gltf(document)))
             .map_err(|kind| (None, kind)),
+        FileFormat::Stl => stl::parse(bytes).map(|(data, document)| (data, Document::Stl(document))),
     }
     .map_err(error)?;
     MeshFile::new(path, data, document).map_err(|kind| error((None, kind)))
@@ -90,6 +93,7 @@ impl MeshFile {
             Document::Obj(_) => FileFormat::Obj,
             Document::Ply(_) => FileFormat::Ply,
             Document::Gltf(_) => FileFormat::Gltf,
+            Document::Stl(_) => FileFormat::Stl,
         }
     }
 
@@ -100,6 +104,7 @@ impl MeshFile {
             Document::Obj(document) => document.line_of_vertex(vertex),
             Document::Ply(document) => document.line_of_vertex(vertex),
             Document::Gltf(_) => None,
+            Document::Stl(document) => document.line_of_vertex(vertex),
         }
     }
 
@@ -169,7 +174,7 @@ impl MeshFile {
     pub fn source_files(&self) -> impl Iterator<Item = &Path> {
         let linked = match &self.document {
             Document::Gltf(document) => Some(document.linked_files()),
-            Document::Obj(_) | Document::Ply(_) => None,
+            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) => None,
         };
         std::iter::once(self.path.as_path()).chain(linked.into_iter().flatten().map(PathBuf::as_path))
     }
@@ -181,6 +186,7 @@ impl MeshFile {
             Document::Obj(_) => false,
             Document::Ply(document) => document.is_single_precision(),
             Document::Gltf(document) => document.is_single_precision(),
+            Document::Stl(document) => document.is_single_precision(),
         }
     }
 
@@ -188,7 +194,7 @@ impl MeshFile {
     #[must_use]
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
         match &self.document {
-            Document::Obj(_) => Vec::new(),
+            Document::Obj(_) | Document::Stl(_) => Vec::new(),
             Document::Ply(document) => document.fixed_vertices().collect(),
             Document::Gltf(document) => document.fixed_vertices().collect(),
         }
@@ -196,7 +202,8 @@ impl MeshFile {
 
     /// Writes the file back with other positions in metres, `num_vertices x 3`.
     ///
-    /// Every byte stays but those of coordinates that changed, and of the bounds of positions in glTF. A file of single
+    /// Every byte stays but those of coordinates that changed, of the bounds of positions in glTF, and of the normals of
+    /// facets that moved in STL. A file of single
     /// precision gets the nearest single. Of a glTF document with buffers in files of their own, the buffers that
     /// changed become `data:` links; the other links stay, so the document must be written into the same folder.
     ///
@@ -224,7 +231,7 @@ impl MeshFile {
     fn container(&self) -> Container {
         match &self.document {
             Document::Gltf(document) => document.container(),
-            Document::Obj(_) | Document::Ply(_) => Container::Text,
+            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) => Container::Text,
         }
     }
 
@@ -242,6 +249,7 @@ impl MeshFile {
             Document::Obj(document) => Ok(document.write(before, positions, out)?),
             Document::Ply(document) => document.write(before, positions, out),
             Document::Gltf(document) => document.write(before, positions, destination, out),
+            Document::Stl(document) => Ok(document.write(before, positions, out)?),
         }
     }
 
@@ -251,6 +259,7 @@ impl MeshFile {
             Document::Obj(_) => Ok(positions.to_vec()),
             Document::Ply(document) => document.stored(self.positions(), positions),
             Document::Gltf(document) => document.stored_positions(self.positions(), positions),
+            Document::Stl(document) => Ok(document.stored(self.positions(), positions)),
         }
     }
 
@@ -258,7 +267,7 @@ impl MeshFile {
     pub(crate) fn obj_document(&self) -> Option<&obj::ObjDocument> {
         match &self.document {
             Document::Obj(document) => Some(document),
-            Document::Ply(_) | Document::Gltf(_) => None,
+            Document::Ply(_) | Document::Gltf(_) | Document::Stl(_) => None,
         }
     }
 }

@@ -40,7 +40,7 @@ use report::StageTimes;
 /// primitives nearer than a gap that was asked for; 2 for bad input.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
-    /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
+    /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Print one JSON document (schema untangled.check/1) instead of a table
@@ -169,7 +169,7 @@ fn check_within(
 /// The format of the contours, if they may be written there.
 fn contours_format(path: &Path, inputs: &[PathBuf], overwrite: bool) -> Result<FileFormat, CheckError> {
     let format = FileFormat::of_name(path)
-        .filter(|format| *format != FileFormat::Gltf)
+        .filter(|format| matches!(format, FileFormat::Obj | FileFormat::Ply))
         .ok_or_else(|| CheckError::ContoursFormat(path.to_path_buf()))?;
     if inputs.iter().any(|input| is_same_file(path, input)) {
         return Err(CheckError::ContoursOverInput(path.to_path_buf()));

@@ -14,9 +14,9 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::Wel
 /// input is written unchanged. What is written is read back and checked exactly before it takes its place; inputs are
 /// never overwritten. Ctrl-C ends the work and writes nothing.
 ///
-/// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY and glTF or GLB from glTF or GLB keep all that
-/// is not geometry, and so do several OBJ in one OBJ; any other combination keeps vertices, polygons and texture
-/// coordinates. glTF is only written from one glTF; a buffer of it that changed, or that would not be found from the
+/// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY, STL from STL and glTF or GLB from glTF or GLB
+/// keep all that is not geometry, and so do several OBJ in one OBJ; any other combination keeps vertices, polygons and
+/// texture coordinates. STL is only written from one STL, glTF only from one glTF; a buffer of it that changed, or that would not be found from the
 /// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
 /// beside OUT.
 ///
@@ -24,10 +24,10 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::Wel
 /// than the gap, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 pub struct FixArgs {
-    /// Mesh files (OBJ, PLY, glTF, GLB); several are pieces in one world
+    /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// File to write (.obj, .ply, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its
+    /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its
     /// own name
     #[arg(short, long, value_name = "OUT")]
     pub out: PathBuf,

@@ -7,5 +7,6 @@ pub(crate) mod obj;
 pub(crate) mod part;
 pub(crate) mod ply;
 pub(crate) mod polygon;
+pub(crate) mod stl;
 pub(crate) mod text;
 pub(crate) mod triangulate;

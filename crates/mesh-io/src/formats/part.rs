@@ -8,13 +8,13 @@ use std::{
 
 use crate::printable::Printable;
 
-/// A run of faces or vertices under one name: of an object and a group in OBJ, of a node and a mesh in glTF. PLY has no
-/// names.
+/// A run of faces or vertices under one name: of an object and a group in OBJ, of a node and a mesh in glTF, of a solid in STL.
+/// PLY has no names.
 ///
 /// Its [`Display`] is for messages: `object "shirt", group "left sleeve"`, control characters escaped.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Part {
-    /// The outer name: of the object (`o`) in OBJ, of the node in glTF.
+    /// The outer name: of the object (`o`) in OBJ, of the node in glTF, of the solid in STL.
     pub outer: Option<PartName>,
     /// The inner name: of the group (`g`) in OBJ, of the mesh in glTF.
     pub inner: Option<PartName>,
@@ -28,7 +28,7 @@ pub struct Part {
 /// The name of a part and what bears it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartName {
-    /// `object`, `group`, `node` or `mesh`.
+    /// `object`, `group`, `node`, `mesh` or `solid`.
     pub kind: &'static str,
     /// The name as the file has it, with replacement characters where it is not UTF-8; shared by all parts that have
     /// it.

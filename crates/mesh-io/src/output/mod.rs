@@ -20,6 +20,7 @@ pub use ply::write_ply;
 /// | from | to | what is kept |
 /// |---|---|---|
 /// | one file | its own format | every byte but those of coordinates that changed, and of bounds in glTF |
+/// | one STL | STL | every byte but those of coordinates that changed, and of normals of facets that moved |
 /// | `.gltf`, `.glb` | each other | the text but for links of buffers |
 /// | OBJ files | one OBJ | every line; indices in `f`, `l`, `p` are shifted |
 /// | anything else | OBJ, PLY | vertices, polygons, texture coordinates |
@@ -34,17 +35,18 @@ impl<'a> Output<'a> {
     /// Plans to write `files`, one or more, in their order to `path`. Nothing is written yet.
     ///
     /// # Errors
-    /// [`WriteError::UnknownFormat`], [`WriteError::OnlyFromGltf`].
+    /// [`WriteError::UnknownFormat`], [`WriteError::OnlyFromGltf`], [`WriteError::OnlyFromStl`].
     pub fn new(files: &'a [MeshFile], path: &Path) -> Result<Self, WriteError> {
         // The name of one input need not tell its format, and is kept as it is.
         let own = files.first().filter(|file| files.len() == 1 && file.path().file_name() == path.file_name());
         let format =
             own.map(MeshFile::format).or_else(|| FileFormat::of_name(path)).ok_or(WriteError::UnknownFormat)?;
         let output = Self { files, path: path.to_path_buf(), format };
-        if format == FileFormat::Gltf && output.patched().is_none() {
-            return Err(WriteError::OnlyFromGltf);
+        match format {
+            FileFormat::Gltf if output.patched().is_none() => Err(WriteError::OnlyFromGltf),
+            FileFormat::Stl if output.patched().is_none() => Err(WriteError::OnlyFromStl),
+            _ => Ok(output),
         }
-        Ok(output)
     }
 
     /// The files.

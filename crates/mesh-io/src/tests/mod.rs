@@ -6,6 +6,7 @@ mod obj;
 mod parts;
 mod ply;
 mod several;
+mod stl;
 
 use std::fs;
 

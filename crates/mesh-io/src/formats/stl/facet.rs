@@ -1,0 +1,42 @@
+//! Facets as they are read: corners in one place become one vertex.
+
+use std::collections::{HashMap, hash_map::Entry};
+
+use crate::formats::polygon::{NO_UV, Polygons};
+
+/// Vertices and faces of the facets read so far.
+#[derive(Debug, Default)]
+pub(super) struct Facets {
+    /// One for each place, `num_vertices x 3`.
+    pub(super) positions: Vec<[f64; 3]>,
+    /// The facets whose corners are in three places.
+    pub(super) polygons: Polygons,
+    /// The vertex of each corner of each facet, `num_facets x 3`.
+    pub(super) corners: Vec<[u32; 3]>,
+    by_place: HashMap<[u64; 3], u32>,
+}
+
+impl Facets {
+    pub(super) fn push(&mut self, places: [[f64; 3]; 3]) {
+        let corners = places.map(|place| self.vertex(place));
+        let [a, b, c] = corners;
+        if a != b && b != c && c != a {
+            corners.iter().for_each(|&corner| self.polygons.push_corner(corner, NO_UV));
+            self.polygons.finish_polygon();
+        }
+        self.corners.push(corners);
+    }
+
+    fn vertex(&mut self, place: [f64; 3]) -> u32 {
+        // Zeros of both signs are one place.
+        let key = place.map(|coordinate| (coordinate + 0.0).to_bits());
+        let next = u32::try_from(self.positions.len()).unwrap_or(u32::MAX);
+        match self.by_place.entry(key) {
+            Entry::Occupied(entry) => *entry.get(),
+            Entry::Vacant(entry) => {
+                self.positions.push(place);
+                *entry.insert(next)
+            }
+        }
+    }
+}
