@@ -10,7 +10,7 @@ use untangle::{
     relax::{Effort, Method, RelaxSettings, Relaxation, relax, relax_until},
 };
 use untangled_checker::count_edge_face;
-use untangled_testkit::generate::{Sheet, waves::deeply_crumpled};
+use untangled_testkit::generate::{Sheet, knots::Knot, waves::deeply_crumpled};
 
 /// One sheet for each kind of path, with the most iterations that it may take.
 fn scenes() -> Vec<(&'static str, Sheet)> {
@@ -235,4 +235,25 @@ fn relax_until_stopped_at_once_gives_back_the_input_as_interrupted() {
     let stop = || asked.fetch_add(1, Ordering::Relaxed) > 50;
     let relaxation = relax_until(&sheet.mesh(), &sheet.positions, &settings, &mut no_progress, &stop).unwrap();
     assert!(relaxation.interrupted && relaxation.history.is_empty());
+}
+
+/// Round coarse tubes the windows of the sheets hold strands that overlap elsewhere.
+#[test]
+fn relax_of_a_knotted_tube_moves_as_little_with_coarse_faces_as_with_fine_ones() {
+    for around in [10, 20] {
+        let (faces, positions) = Knot::Torus(3.0, 4.0).tube(around, 0.2);
+        let mesh = Mesh::new(MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }).unwrap();
+        let settings = RelaxSettings::default();
+        let relaxed = relax(&mesh, &positions, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+        let faces: Vec<[u32; 3]> = mesh.face_ids().map(|face| mesh.face(face).map(|vertex| vertex.0)).collect();
+        assert_eq!(count_edge_face(&relaxed.positions, &faces).unwrap(), 0, "{around}");
+        let moved: f64 = positions
+            .iter()
+            .zip(&relaxed.positions)
+            .map(|(a, b)| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt())
+            .sum();
+        // The torus has radii of 2 and 1.
+        let mean = moved / positions.len() as f64 / 6.0;
+        assert!(mean < 0.01, "{around}: {mean}");
+    }
 }

@@ -4,6 +4,7 @@ mod bodies;
 pub mod degenerate;
 mod fan;
 pub mod furrows;
+pub mod knots;
 pub mod mirrored;
 mod relabel;
 mod sheet;

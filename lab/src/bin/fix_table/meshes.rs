@@ -1,15 +1,60 @@
 //! Meshes made or changed before they are fixed.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, error::Error};
 
 use nalgebra::{Point3, Rotation3, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
-use untangle::mesh::{MeshDescription, Uvs};
-use untangled_testkit::generate::waves::deeply_crumpled;
+use untangle::mesh::{Mesh, MeshDescription, Uvs};
+use untangled_mesh_io::{concatenate, read_mesh};
+use untangled_testkit::generate::{knots::KNOTS, waves::deeply_crumpled};
+
+/// How far [`perturbed`] moves a vertex in each direction, as a part of the diagonal of the bounding box.
+const PERTURBATION: f64 = 1e-12;
 
 /// What a mesh is made from, and its positions in metres.
 pub(crate) type Shape = (MeshDescription, Vec<[f64; 3]>);
+
+/// The mesh of a file.
+pub(crate) fn read(file: &str) -> Result<Shape, Box<dyn Error>> {
+    let world = concatenate(&[read_mesh(file)?])?;
+    Mesh::new(world.description.clone())?;
+    Ok((world.description, world.positions))
+}
+
+/// The same mesh a little moved; for odd seeds, under other names of vertices and faces.
+pub(crate) fn perturbed(seed: u64, (description, positions): &Shape) -> Shape {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let of_coordinate = |k: usize| positions.iter().map(move |p| p[k]);
+    let size = |k| of_coordinate(k).fold(f64::MIN, f64::max) - of_coordinate(k).fold(f64::MAX, f64::min);
+    let distance = PERTURBATION * Vector3::new(size(0), size(1), size(2)).norm();
+    let mut moved: Vec<[f64; 3]> = positions.clone();
+    moved.iter_mut().flatten().for_each(|value| *value += distance * random.random_range(-1.0..1.0));
+    let mut description = description.clone();
+    if seed % 2 == 1 {
+        let mut names: Vec<u32> = (0u32..).take(positions.len()).collect();
+        names.shuffle(&mut random);
+        let places = moved.clone();
+        names.iter().zip(places).for_each(|(&name, place)| moved[name as usize] = place);
+        let mut order: Vec<usize> = (0..description.faces.len()).collect();
+        order.shuffle(&mut random);
+        let faces = &description.faces;
+        let renamed = order.iter().map(|&face| faces[face].map(|vertex| names[vertex as usize])).collect();
+        if let Some(uvs) = &mut description.uvs {
+            uvs.corners = order.iter().map(|&face| uvs.corners[face]).collect();
+        }
+        description.faces = renamed;
+    }
+    (description, moved)
+}
+
+/// Ten knots with so many vertices around, thicker by a part than there is room for.
+pub(crate) fn knots(around: u32, overlap: f64) -> impl Iterator<Item = (&'static str, Shape)> {
+    KNOTS.into_iter().map(move |(name, knot)| {
+        let (faces, positions) = knot.tube(around, overlap);
+        (name, (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions))
+    })
+}
 
 /// A random rigid motion and a scale between 1/1000 and 1000.
 pub(crate) fn motion(seed: u64, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {

@@ -4,26 +4,14 @@ use nalgebra::Vector3;
 
 use super::{
     contour::{Contour, ContourSegment},
-    directions::directions,
     shadow::Shadow,
-    sheets::Sheets,
+    windows::{MAX_FACES, Scene, Shortest, Windows},
 };
 use crate::{
     correspond::MaterialPoint,
     frame::Frame,
-    intersect::Intersections,
     mesh::{FaceId, Mesh, VertexId},
-    sides::Orientation,
 };
-
-/// The first radius of the windows round a contour, in mean edge lengths, and its growth.
-const FIRST_RADIUS: f64 = 4.0;
-const RADIUS_GROWTH: f64 = 2.0;
-const MAX_GROWTHS: usize = 5;
-/// Windows end at so many faces.
-const MAX_FACES: usize = 4000;
-/// What overlaps is seen whole where the sheets are apart after this part of the radius.
-const WHOLE: f64 = 0.6;
 
 /// What a motion of the length of an edge, of a contour of the length of an edge, counts for beside an edge-face
 /// intersection.
@@ -34,12 +22,8 @@ const SPLIT: f64 = 0.75;
 const MIN_SEGMENTS: usize = 6;
 /// How often halves are cut again where that saved nothing.
 const MAX_FRUITLESS: usize = 2;
-/// Directions with a lower cosine are different ways out.
-const DIFFERENT: f64 = 0.7;
 /// Motions shorter than this many mean edge lengths are not cut.
 const MIN_SPLIT_DEPTH: f64 = 1.0;
-/// A half keeps the direction of its whole unless another is shorter than this part of it.
-const KEEP: f64 = 0.8;
 
 /// A pair of points that has to move apart.
 #[derive(Clone, Copy, Debug)]
@@ -79,43 +63,22 @@ impl Motion {
     }
 }
 
-/// The shortest motion of those looked at.
-#[derive(Clone, Copy, Debug)]
-struct Shortest {
-    direction: Vector3<f64>,
-    depth_m: f64,
-    /// The radius of the windows that were looked at.
-    radius_m: f64,
-}
-
 /// Finds motions, reusing its memory.
 #[derive(Debug, Default)]
 pub(crate) struct MotionFinder {
-    /// Which of the ways that are about as short is taken.
-    variant: usize,
-    sheets: Sheets,
-    shadow: Shadow,
-}
-
-/// What motions are found for.
-#[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
-    pub(crate) mesh: &'a Mesh,
-    pub(crate) frame: &'a Frame,
-    pub(crate) orientation: &'a Orientation,
-    pub(crate) found: &'a Intersections,
+    windows: Windows,
 }
 
 impl MotionFinder {
     /// Takes other ways out than the shortest, where the variant is not 0.
     pub(crate) fn of_variant(variant: usize) -> Self {
-        Self { variant, ..Self::default() }
+        Self { windows: Windows { variant, ..Windows::default() } }
     }
 
     /// The motions of a contour: one, or several where its pieces have shorter ways out.
     pub(crate) fn find(&mut self, scene: &Scene<'_>, contour: &Contour, motions: &mut Vec<Motion>) {
-        self.shadow.set_hinged(scene.mesh, scene.found);
-        let shortest = self.shortest(scene, contour, None);
+        self.windows.shadow.set_hinged(scene.mesh, scene.found);
+        let shortest = self.windows.shortest(scene, contour, None);
         let mut pieces = Vec::new();
         self.refine(scene, contour.clone(), shortest, 0, &mut pieces);
         for (contour, shortest) in &pieces {
@@ -139,7 +102,7 @@ impl MotionFinder {
             && contour.length_m() > 2.0 * whole.depth_m
             && let Some(halves) = contour.halves(scene.mesh, scene.frame, MIN_SEGMENTS)
         {
-            let shortest = [0, 1].map(|k| self.shortest(scene, &halves[k], Some(whole.direction)));
+            let shortest = [0, 1].map(|k| self.windows.shortest(scene, &halves[k], Some(whole.direction)));
             let direct: f64 = shortest.iter().zip(&halves).map(|(part, half)| part.depth_m * half.length_m()).sum();
             let fruitless = if direct < SPLIT * cost { 0 } else { fruitless + 1 };
             let start = pieces.len();
@@ -156,65 +119,15 @@ impl MotionFinder {
         cost
     }
 
-    /// The shortest motion of a contour. The windows round it grow until they see all that overlaps. A direction that
-    /// is given is kept where others are hardly better.
-    fn shortest(&mut self, scene: &Scene<'_>, contour: &Contour, kept: Option<Vector3<f64>>) -> Shortest {
-        let Scene { mesh, frame, orientation, .. } = *scene;
-        let mut candidates: Vec<(f64, Vector3<f64>)> = kept.iter().map(|&direction| (0.0, direction)).collect();
-        candidates.extend(
-            directions(mesh, frame, orientation, contour, kept.is_none()).into_iter().map(|direction| (0.0, direction)),
-        );
-        let mut radius_m = FIRST_RADIUS * contour.edge_length_m;
-        for growth in 0..=MAX_GROWTHS {
-            let is_complete = self.sheets.grow(mesh, frame, contour, radius_m, MAX_FACES);
-            // A wider window can only add to a depth: what was deeper than the least so far needs no second look.
-            let mut least = f64::INFINITY;
-            for (depth, direction) in &mut candidates {
-                let is_kept = kept.is_some_and(|kept| kept == *direction);
-                if *depth < least || is_kept {
-                    *depth = self.depth_m(mesh, frame, *direction, if is_kept { f64::INFINITY } else { least });
-                    least = least.min(*depth);
-                }
-            }
-            candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if least <= WHOLE * radius_m || !is_complete || growth == MAX_GROWTHS {
-                break;
-            }
-            radius_m *= RADIUS_GROWTH;
-        }
-        let (least, mut direction) = candidates[0];
-        let mut depth_m = least;
-        // Where the shortest way has not helped, others that are about as short may.
-        if let Some((depth, other)) = self.other_way(&candidates, contour) {
-            return Shortest { direction: other, depth_m: depth, radius_m };
-        }
-        if let Some(found) = candidates.iter().find(|found| kept == Some(found.1) && KEEP * found.0 <= least) {
-            (depth_m, direction) = *found;
-        }
-        Shortest { direction, depth_m, radius_m }
-    }
-
-    /// A direction other than the shortest, for shallow contours that have not moved.
-    fn other_way(&self, candidates: &[(f64, Vector3<f64>)], contour: &Contour) -> Option<(f64, Vector3<f64>)> {
-        let limit = candidates[0].0 * 3.0 + contour.edge_length_m;
-        let mut found: Vec<(f64, Vector3<f64>)> = Vec::new();
-        for &(depth, direction) in candidates.iter().filter(|(depth, _)| *depth <= limit) {
-            if found.iter().all(|(_, other)| other.dot(&direction) < DIFFERENT) {
-                found.push((depth, direction));
-            }
-        }
-        (self.variant > 0 && found.len() > 1).then(|| found[self.variant % found.len()])
-    }
-
     /// The motion with all points on its way.
     fn motion(&mut self, scene: &Scene<'_>, contour: &Contour, shortest: Shortest) -> Motion {
         let Scene { mesh, frame, .. } = *scene;
-        self.sheets.grow(mesh, frame, contour, shortest.radius_m, MAX_FACES);
+        self.windows.sheets.grow(mesh, frame, contour, shortest.radius_m, MAX_FACES);
         let mut motion = Motion {
             direction: shortest.direction,
             depth_m: shortest.depth_m,
             separations: Vec::new(),
-            faces: self.sheets.faces.clone(),
+            faces: self.windows.sheets.faces.clone(),
             first: contour.segments[0].faces[0],
             edge_length_m: contour.edge_length_m,
             length_m: contour.length_m(),
@@ -224,21 +137,15 @@ impl MotionFinder {
         motion
     }
 
-    fn depth_m(&mut self, mesh: &Mesh, frame: &Frame, direction: Vector3<f64>, limit_m: f64) -> f64 {
-        let [first, second] = &self.sheets.faces;
-        self.shadow.look(mesh, frame.positions(), [first, second], direction);
-        self.shadow.depth_m(limit_m)
-    }
-
     /// Adds the vertices of both sheets that are behind the other one.
     fn add_vertices(&mut self, mesh: &Mesh, frame: &Frame, motion: &mut Motion) {
         let limit_m = motion.depth_m * (1.0 + 1e-9);
         for sheet in 0..2 {
-            let faces = [&*self.sheets.faces[sheet], &*self.sheets.faces[1 - sheet]];
+            let faces = [&*self.windows.sheets.faces[sheet], &*self.windows.sheets.faces[1 - sheet]];
             let along = if sheet == 0 { motion.direction } else { -motion.direction };
-            self.shadow.look(mesh, frame.positions(), faces, along);
-            for &vertex in &self.sheets.vertices[sheet] {
-                let Some(found) = self.shadow.farthest_meeting(frame.position(vertex), vertex, limit_m) else {
+            self.windows.shadow.look(mesh, frame.positions(), faces, along);
+            for &vertex in &self.windows.sheets.vertices[sheet] {
+                let Some(found) = self.windows.shadow.farthest_meeting(frame.position(vertex), vertex, limit_m) else {
                     continue;
                 };
                 let ends =

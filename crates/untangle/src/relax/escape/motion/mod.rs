@@ -8,7 +8,8 @@
 //! | `grid` | which of them overlap |
 //! | `shadow` | how far one sheet has to move along a direction to leave the other |
 //! | `directions` | the directions that are looked at |
-//! | `finder` | direction, depth and points of the shortest motion |
+//! | `windows` | the shortest direction, as windows of the sheets see it |
+//! | `finder` | direction, depth and points of the motion, of pieces of a contour where that is shorter |
 
 mod contour;
 mod directions;
@@ -19,7 +20,9 @@ mod sheets;
 #[cfg(test)]
 mod tests;
 mod triangle;
+mod windows;
 
 pub(crate) use contour::{ContourSegment, contours};
-pub(crate) use finder::{Motion, MotionFinder, Scene, remaining_depth_m};
+pub(crate) use finder::{Motion, MotionFinder, remaining_depth_m};
 pub(crate) use shadow::Shadow;
+pub(crate) use windows::Scene;

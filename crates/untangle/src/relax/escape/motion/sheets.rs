@@ -61,6 +61,15 @@ impl Sheets {
         true
     }
 
+    /// Whether an edge leads from one window to the other.
+    pub(super) fn meet(&self, mesh: &Mesh) -> bool {
+        let leads_over = |vertex: VertexId| {
+            let mut neighbours = mesh.vertex_edges(vertex).iter().map(|&edge| mesh.opposite_vertex(edge, vertex));
+            neighbours.any(|next| self.reached.get(next) == Some(1))
+        };
+        self.vertices[0].iter().any(|&vertex| leads_over(vertex))
+    }
+
     /// Begins with the faces along the contour and their corners.
     fn begin(&mut self, mesh: &Mesh, contour: &Contour) {
         self.reached.reset(mesh.num_vertices());
