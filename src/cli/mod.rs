@@ -95,6 +95,7 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Config(args) => config::run(&args),
         Command::Check(args) if args.sequence.cache.is_some() => sequence::check(&args).map_err(Into::into),
         Command::Check(args) => check::run(&args).map_err(Into::into),
+        Command::Fix(args) if args.sequence.cache.is_some() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
         Command::Publish(args) => demo::publish(&args).map_err(Into::into),

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
+use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence::args::CacheArgs, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -67,6 +67,9 @@ pub struct FixArgs {
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
+    /// `--cache`, `--body-cache` and `--frames`.
+    #[command(flatten)]
+    pub sequence: CacheArgs,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

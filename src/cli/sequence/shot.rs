@@ -11,7 +11,7 @@ use super::{args::CacheArgs, error::SequenceError};
 use crate::cli::{
     certificate::Certificate,
     fix::Counts,
-    gap::{Asked, GapReport},
+    gap::{Asked, GapCertificate, GapReport},
     input::{self, Input, analyse_within},
     owners::Owners,
     roles::{RoleArgs, Roles},
@@ -29,6 +29,11 @@ pub(super) struct Shot {
     pub(super) pins: Vec<u32>,
     pub(super) max_face_pairs: u64,
     pub(super) gap: Option<Asked>,
+    /// Whether the judge counts distances too.
+    pub(super) certify_gap: bool,
+    /// Positions of the FILEs and bodies as they are, `num_vertices x 3`: the pose of reference for directions of the
+    /// material.
+    pub(super) reference: Vec<[f64; 3]>,
     /// The frames that are asked for.
     pub(super) part: RangeInclusive<u64>,
 }
@@ -73,7 +78,20 @@ impl Shot {
                 return Err(SequenceError::out_of_range(cache.path().to_path_buf(), frame, [first, last]));
             }
         }
-        Ok(Self { files, roles, cache, body_caches, weld, pins: Vec::new(), max_face_pairs, gap, part })
+        let reference = files.iter().chain(&roles.bodies).flat_map(MeshFile::positions).copied().collect();
+        Ok(Self {
+            files,
+            roles,
+            cache,
+            body_caches,
+            weld,
+            pins: Vec::new(),
+            max_face_pairs,
+            gap,
+            certify_gap: false,
+            reference,
+            part,
+        })
     }
 
     /// All files that are read.
@@ -131,7 +149,10 @@ impl Shot {
         let counts = Counts::new(&analysis, roles, input, Certificate::of(files, roles, input));
         let owners = Owners::new(files.iter().chain(&roles.bodies));
         let gap = self.gap.as_ref().map(|asked| GapReport::of(asked, input, &owners)).transpose();
-        let gap = gap.map_err(|source| SequenceError::FrameGap { path, frame, source })?;
+        let mut gap = gap.map_err(|source| SequenceError::FrameGap { path, frame, source })?;
+        if let Some(gap) = gap.as_mut().filter(|_| self.certify_gap) {
+            gap.certificate = Some(GapCertificate::of(files, roles, input, gap.asked_m));
+        }
         Ok(Judgement { counts, gap })
     }
 }

@@ -51,6 +51,13 @@ impl Pattern {
         folder.join(format!("{prefix}{frame:0num_digits$}{suffix}"))
     }
 
+    /// The pattern itself.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        let Self { folder, prefix, suffix, num_digits } = self;
+        folder.join(format!("{prefix}{}{suffix}", "#".repeat(*num_digits)))
+    }
+
     /// The folder of the files.
     #[must_use]
     pub fn folder(&self) -> &Path {

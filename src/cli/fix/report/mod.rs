@@ -213,7 +213,7 @@ impl Blocked {
     }
 
     /// Says to whom the vertices of paths belong.
-    pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
+    pub(in crate::cli) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
         let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
         for (path, owner) in blocked.iter_mut().zip(of) {
             if let Some(OwnedVertex { file, vertex_in_file, part }) = owner {
