@@ -13,7 +13,6 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::cli::sequence::error::SequenceError;
 
@@ -31,8 +30,8 @@ struct Head {
 pub(super) struct Entry {
     pub(super) frame: u64,
     checksum: String,
-    /// What was reported of it.
-    pub(super) line: Value,
+    /// What was reported of it, as it was printed: reading a number and writing it again might change it.
+    pub(super) line: String,
 }
 
 /// An open journal, locked against other runs.
@@ -69,7 +68,7 @@ pub(super) fn checksum(bytes: &[u8]) -> String {
 }
 
 impl Entry {
-    pub(super) fn new(frame: u64, bytes: &[u8], line: Value) -> Self {
+    pub(super) fn new(frame: u64, bytes: &[u8], line: String) -> Self {
         Self { frame, checksum: checksum(bytes), line }
     }
 

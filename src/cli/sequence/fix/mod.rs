@@ -20,8 +20,6 @@ mod single;
 
 use std::io::{self, Write};
 
-use serde_json::Value;
-
 use untangle::coherence::RoughnessMeter;
 
 use super::{
@@ -122,7 +120,13 @@ fn resume(
         let _ = writeln!(io::stderr(), "untangled: going on after {frames} frames that an earlier run finished");
     }
     let own = other.map(|(entries, _)| entries).unwrap_or_default();
-    output.begin(first + done.len() as u64..=*shot.part.end(), &own, inputs)?;
+    let is_new = done.is_empty() && own.is_empty();
+    if let Err(error) = output.begin(first + done.len() as u64..=*shot.part.end(), &own, inputs) {
+        if is_new {
+            journal.remove()?;
+        }
+        return Err(error);
+    }
     journal.begin(identity, &done)?;
     Ok((journal, done))
 }
@@ -197,9 +201,7 @@ impl<'a> Run<'a> {
             return Err(SequenceError::ReadBack { path: self.shot.cache.file(frame), frame });
         }
         self.output.write(frame, &bytes)?;
-        let line = serde_json::to_value(FrameLine::new(frame, pass));
-        let line = line.unwrap_or_else(|error| unreachable!("a report is plain data: {error}"));
-        let entry = Entry::new(frame, &bytes, line);
+        let entry = Entry::new(frame, &bytes, json_line(&FrameLine::new(frame, pass)));
         self.journal.add(&entry)?;
         self.output.place(frame)?;
         self.meter.push(pass.correction.clone());
@@ -215,13 +217,14 @@ impl<'a> Run<'a> {
         self.report(frame, &entry.line)
     }
 
-    fn report(&mut self, frame: u64, line: &Value) -> Result<(), SequenceError> {
-        self.totals.add(line);
+    fn report(&mut self, frame: u64, line: &str) -> Result<(), SequenceError> {
+        let value = serde_json::from_str(line).unwrap_or_default();
+        self.totals.add(&value);
         self.progress.done(frame);
         if self.keeps_lines {
-            self.lines.push_str(&json_line(line));
+            self.lines.push_str(line);
         }
-        print(&if self.is_json { json_line(line) } else { report::words(line) })
+        if self.is_json { print(line) } else { print(&report::words(&value)) }
     }
 
     /// Puts everything at its place.
