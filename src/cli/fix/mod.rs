@@ -78,14 +78,8 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let before = count(args, &files, &roles, &input)?;
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
-    let repair = Repair {
-        files: &files,
-        roles: &roles,
-        store: Store::Files(&jobs),
-        pins: &pins,
-        settings: settings(args, &jobs),
-        deadline,
-    };
+    let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
+    let repair = Repair { files: &files, roles: &roles, store, pins: &pins, settings, deadline };
     let repaired = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {

@@ -28,7 +28,7 @@ pub enum SequenceError {
         /// The frame.
         frame: u64,
         /// What is wrong.
-        source: InputError,
+        source: Box<InputError>,
     },
     /// The distances of a frame can't be counted.
     #[error("{}: frame {frame}: {source}", path.display())]
@@ -48,7 +48,7 @@ pub enum SequenceError {
         /// The frame.
         frame: u64,
         /// What is wrong.
-        source: FixError,
+        source: Box<FixError>,
     },
     /// A frame can't hold other positions.
     #[error("{}: frame {frame}: {source}", path.display())]

@@ -138,7 +138,7 @@ impl Shot {
     }
 
     fn bad_input(&self, frame: u64, source: input::InputError) -> SequenceError {
-        SequenceError::FrameInput { path: self.cache.file(frame), frame, source }
+        SequenceError::FrameInput { path: self.cache.file(frame), frame, source: Box::new(source) }
     }
 
     /// Analyses and judges a state.

@@ -86,7 +86,7 @@ pub enum CacheErrorKind {
         /// Line at fault, counted from 1, in a text format.
         line: Option<usize>,
         /// What is wrong.
-        kind: ReadErrorKind,
+        kind: Box<ReadErrorKind>,
     },
     /// A numbered mesh with other faces.
     #[error("has {given} faces, and the mesh has {expected}")]
@@ -111,6 +111,6 @@ pub enum CacheErrorKind {
 
 impl From<ReadError> for CacheErrorKind {
     fn from(ReadError { line, kind, .. }: ReadError) -> Self {
-        Self::Mesh { line, kind }
+        Self::Mesh { line, kind: Box::new(kind) }
     }
 }

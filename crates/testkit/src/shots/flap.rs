@@ -42,9 +42,9 @@ const RISE: f64 = 0.085;
 const RISE_FRAMES: f64 = 16.0;
 
 impl FlapShot {
-    /// 24 frames of 480 triangles, two of them with little room; clean at both ends.
+    /// 24 frames of 480 triangles, tangled in the middle, clean at both ends.
     pub fn small() -> Self {
-        let tangle = Tangle { middle: 11.5, half_length: 5.0, depth: 1.25, place: [0.55, 0.5] };
+        let tangle = Tangle { middle: 11.5, half_length: 5.0, depth: 1.5, place: [0.55, 0.5] };
         Self { num_frames: 24, cells: [24, 10], tangles: vec![tangle], ball_middle: None }
     }
 

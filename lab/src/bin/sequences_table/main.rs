@@ -88,6 +88,7 @@ fn print_whole(scene: &Scene, found: &Whole) {
     println!("| 99 of 100 vertices | {:.2} |", smooth("p99_ratio_to_smooth"));
     println!("| mean | {:.2} |", smooth("mean_ratio_to_smooth"));
     println!("| acceleration beyond that of the input and of a smooth bump, mm/frame² | {:.3} |", found.excess_mm);
+    println!("| the same of frames that `fix` repairs one by one | {:.3} |", found.excess_alone_mm);
     println!("| `check` of the input, seconds | {:.1} |", found.check_seconds);
     println!("| `fix`, seconds | {:.1} |", found.seconds);
     println!("| most memory of `fix`, MB | {} |\n", found.peak_mb);

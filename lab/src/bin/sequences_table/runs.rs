@@ -11,6 +11,8 @@ use nalgebra::Vector3;
 use serde_json::Value;
 use untangle::coherence::Fade;
 use untangled_lab::Failure;
+use untangled_mesh_io::read_mesh;
+use untangled_testkit::process::untangled;
 
 use super::scene::Scene;
 
@@ -27,6 +29,7 @@ pub(crate) struct Whole {
     pub(crate) num_left_by_check: usize,
     pub(crate) num_same_frames: usize,
     pub(crate) excess_mm: f64,
+    pub(crate) excess_alone_mm: f64,
     pub(crate) check_seconds: f64,
     pub(crate) seconds: f64,
     pub(crate) peak_mb: u64,
@@ -77,11 +80,37 @@ pub(crate) fn whole(scene: &Scene) -> Result<Whole, Failure> {
         num_left_by_check: num_unclean(&after[..scene.num_frames.min(before.len())], "clean"),
         num_same_frames,
         excess_mm: 1000.0 * excess_acceleration_m(scene, &input, &bytes),
+        excess_alone_mm: 1000.0 * excess_acceleration_m(scene, &input, &alone(scene, &output, &input)?),
         check_seconds,
         seconds,
         peak_mb,
         bytes,
     })
+}
+
+/// The shot with each tangled frame repaired by itself, as a mesh file.
+fn alone(scene: &Scene, output: &[Value], input: &[u8]) -> Result<Vec<u8>, Failure> {
+    let mut bytes = input.to_vec();
+    let balls = scene.read("ball.pc2")?;
+    for frame in (0..scene.num_frames).filter(|&frame| output[frame]["clean_before"] == Value::Bool(false)) {
+        for (name, cache) in [("cloth", input), ("ball", &balls)] {
+            let mesh = read_mesh(scene.folder.join(format!("{name}.obj")))?;
+            let num_vertices = mesh.positions().len();
+            let positions: Vec<[f64; 3]> =
+                (0..num_vertices).map(|vertex| position(num_vertices, cache, frame, vertex).into()).collect();
+            mesh.write_with_positions(&positions, &mut fs::File::create(scene.folder.join(format!("{name}-1.obj")))?)?;
+        }
+        let mut command = Command::new(untangled());
+        command.current_dir(&scene.folder).args(["fix", "cloth-1.obj", "-o", "alone.obj", "--overwrite"]);
+        command.args(["--body", "ball-1.obj"]).output()?;
+        let repaired = read_mesh(scene.folder.join("alone.obj"))?;
+        let start = HEADER_SIZE + frame * VERTEX_SIZE * scene.num_vertices;
+        for (slot, value) in bytes[start..].chunks_mut(4).zip(repaired.positions().as_flattened()) {
+            #[expect(clippy::cast_possible_truncation, reason = "rounding as a cache does")]
+            slot.copy_from_slice(&(*value as f32).to_le_bytes());
+        }
+    }
+    Ok(bytes)
 }
 
 /// The most memory that a process takes until it ends, in megabytes.
@@ -98,8 +127,8 @@ fn watch_memory(child: &mut Child) -> Result<u64, Failure> {
     Ok(peak)
 }
 
-fn position(scene: &Scene, bytes: &[u8], frame: usize, vertex: usize) -> Vector3<f64> {
-    let start = HEADER_SIZE + VERTEX_SIZE * (frame * scene.num_vertices + vertex);
+fn position(num_vertices: usize, bytes: &[u8], frame: usize, vertex: usize) -> Vector3<f64> {
+    let start = HEADER_SIZE + VERTEX_SIZE * (frame * num_vertices + vertex);
     Vector3::from_fn(|axis, _| {
         let at = start + 4 * axis;
         f64::from(f32::from_le_bytes(std::array::from_fn(|byte| bytes[at + byte])))
@@ -113,7 +142,7 @@ fn excess_acceleration_m(scene: &Scene, input: &[u8], output: &[u8]) -> f64 {
     let mut worst = 0.0f64;
     for vertex in 0..scene.num_vertices {
         let way = |bytes: &[u8]| -> Vec<Vector3<f64>> {
-            (0..scene.num_frames).map(|frame| position(scene, bytes, frame, vertex)).collect()
+            (0..scene.num_frames).map(|frame| position(scene.num_vertices, bytes, frame, vertex)).collect()
         };
         let (before, after) = (way(input), way(output));
         let height = before.iter().zip(&after).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);

@@ -58,7 +58,7 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
     let output = Output::new(&shot, &args.out, args.overwrite, &inputs)?;
     let identity = identity::identity(args, &shot)?;
     let (journal, done) = resume(&shot, &output, &identity, &inputs)?;
-    let interrupt = Interrupt::listen_saying(INTERRUPTED).map_err(|source| FixError::Signals(source))?;
+    let interrupt = Interrupt::listen_saying(INTERRUPTED).map_err(FixError::Signals)?;
     let repairer = Repairer {
         shot: &shot,
         effort: args.quality.into(),

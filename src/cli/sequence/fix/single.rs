@@ -49,7 +49,10 @@ impl Repairer<'_> {
         let shot = self.shot;
         self.repair_state(own, state, before).map_err(|source| match source {
             FixError::Store(source) => shot.failed(frame, source),
-            source => SequenceError::FrameFix { path: shot.cache.file(frame), frame, source },
+            source => {
+                let source = Box::new(source);
+                SequenceError::FrameFix { path: shot.cache.file(frame), frame, source }
+            }
         })
     }
 
