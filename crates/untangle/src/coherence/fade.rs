@@ -21,14 +21,18 @@ impl Fade {
         1.0 - at * at * at * (10.0 - 15.0 * at + 6.0 * at * at)
     }
 
-    /// The part between the last and the next repaired frame, so many frames away where there are such. It is 1 in gaps
-    /// no longer than the window: there a correction stays.
-    pub(super) fn part_between(self, last: Option<u64>, next: Option<u64>) -> f64 {
-        if last == Some(0) {
-            return 1.0;
-        }
+    /// The parts of the corrections before and after a frame that is not repaired, the last and the next one of them so
+    /// many frames away where there are such. In gaps no longer than the window they add up to 1: one goes over into the
+    /// other.
+    pub(super) fn parts(self, last: Option<u64>, next: Option<u64>) -> [f64; 2] {
         let part = |distance: Option<u64>| distance.map_or(0.0, |distance| self.part(distance));
-        (part(last) + part(next)).min(1.0)
+        match (last, next) {
+            (Some(last), Some(next)) if last + next <= self.num_frames => {
+                let gap = Self { num_frames: last + next - 1 };
+                [gap.part(last), gap.part(next)]
+            }
+            _ => [part(last), part(next)],
+        }
     }
 
     /// The weight of a correction in the average of a frame so many frames away.

@@ -55,6 +55,15 @@ fn spread_holds_in_short_gaps_and_is_smooth_across_long_ones() {
 }
 
 #[test]
+fn spread_goes_over_smoothly_from_a_high_correction_to_a_low_one() {
+    for gap in 6..20 {
+        let run = |first: u64, height: f64| (first..first + 4).map(move |frame| (frame, height));
+        let heights = heights(&run(15, 0.02).chain(run(19 + gap, 0.0005)).collect::<Vec<_>>());
+        assert!(ratio(&heights) < 1.6, "{gap}: {} {heights:?}", ratio(&heights));
+    }
+}
+
+#[test]
 fn spread_of_a_run_that_jumps_is_far_smoother_than_the_run() {
     let run: Vec<(u64, f64)> = (20..40).map(|frame| (frame, if frame % 2 == 0 { 0.02 } else { 0.01 })).collect();
     let mut alone = vec![0.0; 60];

@@ -149,9 +149,10 @@ impl Totals {
         format!(
             "  {num_clean_frames} of {num_frames} frames are clean, {num_clean_frames_before} were\n  \
              {num_unchanged_frames} frames and {unchanged} are unchanged to the bit\n  \
-             the way of a vertex changes by up to {:.3} mm a frame squared; a smooth bump as high needs 1/{:.2} of that\n",
+             corrections change by up to {:.3} mm a frame squared, of 99 in 100 vertices by at most {:.2} times what a \
+             smooth bump as high needs\n",
             1000.0 * smoothness.max_second_difference_m,
-            smoothness.max_ratio_to_smooth,
+            smoothness.p99_ratio_to_smooth,
         )
     }
 }
