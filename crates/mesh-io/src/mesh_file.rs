@@ -82,8 +82,8 @@ impl MeshFile {
         Ok(Self { path: path.to_path_buf(), data, faces, uv_faces, document })
     }
 
-    /// The same mesh at other positions, `num_vertices x 3`: as a frame of a cache has them. Polygons stay split as they
-    /// are, so that all frames have the same triangles. It is there to be analysed, not to be written.
+    /// The same mesh at other positions, `num_vertices x 3`: as a frame of a cache has them. Polygons stay split as
+    /// they are, so that all frames have the same triangles. It is there to be analysed, not to be written.
     ///
     /// # Errors
     /// [`WriteError::Length`].

@@ -22,8 +22,8 @@ impl Fade {
     }
 
     /// The parts of the corrections before and after a frame that is not repaired, the last and the next one of them so
-    /// many frames away where there are such. In gaps no longer than the window they add up to 1: one goes over into the
-    /// other.
+    /// many frames away where there are such. In gaps no longer than the window they add up to 1: one goes over into
+    /// the other.
     pub(super) fn parts(self, last: Option<u64>, next: Option<u64>) -> [f64; 2] {
         let part = |distance: Option<u64>| distance.map_or(0.0, |distance| self.part(distance));
         match (last, next) {

@@ -47,10 +47,10 @@ impl Shares {
     }
 }
 
-/// The correction of a frame, out of those of a window round it, its own among them: for each vertex the average of
-/// the frames in which it is corrected, the nearest of which count most. In a frame in which it is not, the averages
-/// before and after are faded by the distance to the nearest ones, or go over into each other where the gap is no longer
-/// than the fade. All in directions of the material.
+/// The correction of a frame, out of those of a window round it, its own among them: for each vertex the average of the
+/// frames in which it is corrected, the nearest of which count most. In a frame in which it is not, the averages before
+/// and after are faded by the distance to the nearest ones, or go over into each other where the gap is no longer than
+/// the fade. All in directions of the material.
 ///
 /// `window` gives frames with their corrections, ascending; those beyond the fade count for nothing.
 #[must_use]

@@ -50,7 +50,8 @@ fn spread_holds_in_short_gaps_and_is_smooth_across_long_ones() {
     }
     for gap in 1..20 {
         let heights = heights(&[(20, 0.02), (21 + gap, 0.02)]);
-        assert!(ratio(&heights) < 1.6, "{gap}: {}", ratio(&heights));
+        // Where two fades overlap, both accelerations add up.
+        assert!(ratio(&heights) < 2.0, "{gap}: {}", ratio(&heights));
     }
 }
 
