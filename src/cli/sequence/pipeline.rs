@@ -66,7 +66,8 @@ impl Pipeline {
     /// as a window needs them.
     ///
     /// # Errors
-    /// The error of the first frame that failed; of one stage, after all frames before it were taken. Or that of `take`.
+    /// The error of the first frame that failed; of one stage, after all frames before it were taken. Or that of
+    /// `take`.
     pub(super) fn run<R: Send + Sync, E: Send>(
         &self,
         work: Work<'_, R, E>,

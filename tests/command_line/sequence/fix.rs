@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use untangled_testkit::{files::formats::obj, generate::Sheet, shots::pc2};
+
 use super::{HEADER_SIZE, code, command, folder, frames_of, lines, run};
 
 #[test]
@@ -98,4 +100,55 @@ fn fix_of_a_cache_writes_the_same_bytes_on_any_number_of_threads() {
     };
     let one = with("1");
     assert!(with("2") == one && with("5") == one);
+}
+
+#[test]
+fn fix_of_a_cache_whose_vertices_are_pinned_says_what_is_left_and_ends_with_1() {
+    let folder = folder();
+    let path = folder.path();
+    let num_vertices = fs::read_to_string(path.join("cloth.obj")).unwrap().matches("\nv ").count();
+    let pins: Vec<String> = (0..num_vertices).map(|vertex| vertex.to_string()).collect();
+    fs::write(path.join("pins"), pins.join("\n")).unwrap();
+    let output = run(&["fix", "cloth.obj", "--cache", "in.pc2", "-o", "out.pc2", "--json", "--pin", "pins"], path);
+    assert_eq!(code(&output), 1, "{output:?}");
+    let (reported, totals) = lines(&output);
+    assert_eq!((&totals["clean"], &totals["num_unchanged_frames"]), (&false.into(), &24.into()));
+    for line in reported.iter().filter(|line| line["clean"] == false) {
+        assert_eq!(line["blocked"][0]["reason"], "all its vertices are pinned", "{line}");
+        assert_eq!(line["before"], line["after"]);
+    }
+    assert!(fs::read(path.join("in.pc2")).unwrap() == fs::read(path.join("out.pc2")).unwrap());
+}
+
+#[test]
+fn fix_of_layers_in_one_cache_parts_them_in_each_frame() {
+    let folder = folder();
+    let path = folder.path();
+    let sheet = |height: f64| {
+        let mut sheet = Sheet::default();
+        sheet.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], |u, v| [u, v, height]);
+        sheet
+    };
+    // The outer layer sinks into the inner one and rises again.
+    let frames: Vec<Sheet> = (0..20)
+        .map(|frame| {
+            let mut both = Sheet::default();
+            both.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], |u, v| [u, v, 0.0]);
+            let depth = 0.06 * (-0.15 * f64::from(frame - 10).powi(2)).exp();
+            let push = move |u: f64, v: f64| depth * (-40.0 * ((u - 0.5).powi(2) + (v - 0.5).powi(2))).exp();
+            both.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], move |u, v| [u, v, 0.03 - push(u, v)]);
+            both
+        })
+        .collect();
+    fs::write(path.join("inner.obj"), obj(&sheet(0.0), false)).unwrap();
+    fs::write(path.join("outer.obj"), obj(&sheet(0.03), false)).unwrap();
+    fs::write(path.join("both.pc2"), pc2(&frames)).unwrap();
+    let fix = ["fix", "inner.obj", "outer.obj", "--layers", "--cache", "both.pc2", "-o", "parted.pc2", "--json"];
+    let output = run(&fix, path);
+    assert_eq!(code(&output), 0, "{output:?}");
+    let (reported, totals) = lines(&output);
+    let behind = |line: &serde_json::Value, at: &str| line[at]["layers"][1]["num_vertices_behind"].as_u64().unwrap();
+    assert!(reported.iter().any(|line| behind(line, "before") > 0), "{totals}");
+    assert!(reported.iter().all(|line| behind(line, "after") == 0 && line["clean"] == true));
+    assert!(totals["smoothness"]["max_ratio_to_smooth"].as_f64() < Some(6.0), "{totals}");
 }
