@@ -124,29 +124,27 @@ fn fix_of_a_cache_whose_vertices_are_pinned_says_what_is_left_and_ends_with_1() 
 fn fix_of_layers_in_one_cache_parts_them_in_each_frame() {
     let folder = folder();
     let path = folder.path();
-    let sheet = |height: f64| {
-        let mut sheet = Sheet::default();
-        sheet.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], |u, v| [u, v, height]);
-        sheet
+    // The outer tube is dented into the inner one, and comes out again.
+    let tubes = |dent: f64| {
+        let push = move |angle: f64, height: f64| -dent * (-8.0 * (angle - 3.0).powi(2) - 60.0 * height * height).exp();
+        let mut both = Sheet::default();
+        both.add_tube(0.3, [-0.3, 0.3], [36, 16], |_, _| [0.0; 3]);
+        both.add_tube(0.33, [-0.3, 0.3], [36, 16], move |angle, height| {
+            [push(angle, height) * angle.cos(), push(angle, height) * angle.sin(), 0.0]
+        });
+        both
     };
-    // The outer layer sinks into the inner one and rises again.
-    let frames: Vec<Sheet> = (0..20)
-        .map(|frame| {
-            let mut both = Sheet::default();
-            both.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], |u, v| [u, v, 0.0]);
-            let depth = 0.06 * (-0.15 * f64::from(frame - 10).powi(2)).exp();
-            let push = move |u: f64, v: f64| depth * (-40.0 * ((u - 0.5).powi(2) + (v - 0.5).powi(2))).exp();
-            both.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], move |u, v| [u, v, 0.03 - push(u, v)]);
-            both
-        })
-        .collect();
-    fs::write(path.join("inner.obj"), obj(&sheet(0.0), false)).unwrap();
-    fs::write(path.join("outer.obj"), obj(&sheet(0.03), false)).unwrap();
+    let frames: Vec<Sheet> = (0..20).map(|frame| tubes(0.05 * (-0.15 * f64::from(frame - 10).powi(2)).exp())).collect();
+    for (name, radius) in [("inner.obj", 0.3), ("outer.obj", 0.33)] {
+        let mut tube = Sheet::default();
+        tube.add_tube(radius, [-0.3, 0.3], [36, 16], |_, _| [0.0; 3]);
+        fs::write(path.join(name), obj(&tube, false)).unwrap();
+    }
     fs::write(path.join("both.pc2"), pc2(&frames)).unwrap();
     let fix = ["fix", "inner.obj", "outer.obj", "--layers", "--cache", "both.pc2", "-o", "parted.pc2", "--json"];
     let output = run(&fix, path);
-    assert_eq!(code(&output), 0, "{output:?}");
     let (reported, totals) = lines(&output);
+    assert_eq!(code(&output), 0, "{totals}");
     let behind = |line: &serde_json::Value, at: &str| line[at]["layers"][1]["num_vertices_behind"].as_u64().unwrap();
     assert!(reported.iter().any(|line| behind(line, "before") > 0), "{totals}");
     assert!(reported.iter().all(|line| behind(line, "after") == 0 && line["clean"] == true));

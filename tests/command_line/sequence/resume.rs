@@ -22,6 +22,8 @@ fn num_lines(journal: &Path) -> usize {
 /// Starts a run and sends a signal once a journal has some lines. Whether it was ended by that.
 fn end_after(arguments: &[&str], folder: &Path, journal: &str, num: usize, signal: &str) -> bool {
     let mut child = command(arguments, folder).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    // Lines of earlier runs are there already.
+    let num = num.max(num_lines(&folder.join(journal)) + 2);
     let start = Instant::now();
     while num_lines(&folder.join(journal)) < num && child.try_wait().unwrap().is_none() {
         assert!(start.elapsed() < Duration::from_secs(120));
@@ -44,7 +46,7 @@ fn fix_of_a_cache_goes_on_after_kills_with_the_bytes_of_one_run() {
     assert_eq!(code(&whole), 0);
     let arguments = [&FIX[..], &["--json"]].concat();
     let mut num_ended = 0;
-    for (num, signal) in [(1, "-KILL"), (3, "-KILL"), (6, "-INT"), (9, "-KILL"), (14, "-TERM")] {
+    for (num, signal) in [(1, "-KILL"), (3, "-KILL"), (5, "-INT"), (7, "-KILL"), (9, "-TERM")] {
         num_ended += usize::from(end_after(&arguments, path, "out.pc2.journal", num, signal));
         if path.join("out.pc2").exists() {
             break;

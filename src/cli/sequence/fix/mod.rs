@@ -48,6 +48,7 @@ const INTERRUPTED: &str = "interrupted; the frames that are finished stay, and t
 /// [`SequenceError`]; one line, exit code 2.
 pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
     refuse(args)?;
+    let interrupt = Interrupt::listen_saying(INTERRUPTED).map_err(FixError::Signals)?;
     let shot = open(args)?;
     let inputs = inputs(args, &shot);
     let report = args.report.clone().map(|path| {
@@ -58,7 +59,6 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
     let output = Output::new(&shot, &args.out, args.overwrite, &inputs)?;
     let identity = identity::identity(args, &shot)?;
     let (journal, done) = resume(&shot, &output, &identity, &inputs)?;
-    let interrupt = Interrupt::listen_saying(INTERRUPTED).map_err(FixError::Signals)?;
     let repairer = Repairer {
         shot: &shot,
         effort: args.quality.into(),
