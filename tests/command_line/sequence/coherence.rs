@@ -17,6 +17,7 @@ fn fix_of_a_cache_corrects_about_as_smoothly_as_a_bump_of_that_height() {
     let (_, totals) = lines(&output);
     let smooth = |name: &str| totals["smoothness"][name].as_f64().unwrap();
     // A correction of one frame alone has 28.
+    assert!(smooth("num_vertices") > 10.0 && smooth("max_correction_m") > 1e-3, "{totals}");
     assert!(smooth("max_ratio_to_smooth") < 6.0, "{totals}");
     assert!(smooth("mean_ratio_to_smooth") < 2.0, "{totals}");
 }
