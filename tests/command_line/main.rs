@@ -12,5 +12,6 @@ mod manual;
 mod mesh_folder;
 mod publish;
 mod roles;
+mod sequence;
 mod strangers;
 mod weld;

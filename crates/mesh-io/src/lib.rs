@@ -1,4 +1,5 @@
-//! Mesh files in and out: OBJ, PLY, STL and glTF; intersection paths as lines.
+//! Mesh files in and out: OBJ, PLY, STL and glTF; vertex caches: PC2, MDD and numbered meshes; intersection paths as
+//! lines.
 //!
 //! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
 //!   the file and are split into triangles only for the analysis. Positions are kept in double precision. STL alone has
@@ -39,10 +40,12 @@
 //! | `formats` | `obj`, `ply`, `gltf`, `stl`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
+//! | `caches` | the positions of a mesh, frame by frame: PC2, MDD, numbered meshes |
 //! | `world` | several files in one world |
 //! | `output` | one or several files as one file |
 //! | `contours` | intersection paths as lines for other programs |
 
+mod caches;
 mod contours;
 mod error;
 mod file_format;
@@ -54,6 +57,7 @@ mod printable;
 mod tests;
 mod world;
 
+pub use caches::{CacheError, CacheErrorKind, CacheFrame, Pattern, VertexCache};
 pub use contours::{write_contours_obj, write_contours_ply};
 pub use error::{ReadError, ReadErrorKind, WriteError};
 pub use file_format::FileFormat;

@@ -46,8 +46,13 @@ pub struct MeshFile {
 /// [`ReadError`], with the file, the line in a text format, and the element at fault.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
+    let bytes = fs::read(path).map_err(|io| ReadError { path: path.to_path_buf(), line: None, kind: io.into() })?;
+    parse_mesh(bytes, path)
+}
+
+/// What reading a file of these bytes at `path` gives.
+pub(crate) fn parse_mesh(bytes: Vec<u8>, path: &Path) -> Result<MeshFile, ReadError> {
     let error = |(line, kind)| ReadError { path: path.to_path_buf(), line, kind };
-    let bytes = fs::read(path).map_err(|io| error((None, io.into())))?;
     let format = FileFormat::of_content(&bytes)
         .or_else(|| FileFormat::of_name(path))
         .ok_or_else(|| error((None, ReadErrorKind::UnknownFormat)))?;
@@ -78,6 +83,21 @@ impl MeshFile {
         let uv_faces =
             uv_faces.filter(|faces| faces.iter().any(|face| has_area(face.map(|uv| uv_coordinates[uv as usize]))));
         Ok(Self { path: path.to_path_buf(), data, faces, uv_faces, document })
+    }
+
+    /// The same mesh at other positions, `num_vertices x 3`: as a frame of a cache has them. Polygons stay split as
+    /// they are, so that all frames have the same triangles. It is there to be analysed, not to be written.
+    ///
+    /// # Errors
+    /// [`WriteError::Length`].
+    pub fn at_positions(&self, positions: &[[f64; 3]]) -> Result<Self, WriteError> {
+        let (given, expected) = (positions.len(), self.positions().len());
+        if given != expected {
+            return Err(WriteError::Length { given, expected });
+        }
+        let mut file = self.clone();
+        file.data.positions.copy_from_slice(positions);
+        Ok(file)
     }
 
     /// The path it was read from.

@@ -30,6 +30,8 @@ pub mod judge;
 
 pub mod files;
 
+pub mod shots;
+
 pub mod process;
 
 pub mod hosts;

@@ -61,4 +61,6 @@ pub mod sides;
 
 pub mod relax;
 
+pub mod coherence;
+
 pub mod untangler;

@@ -29,6 +29,7 @@ use super::{
     outcome::{self, Outcome},
     owners::Owners,
     roles::{BodyCounts, LayerReport, RoleArgs, Roles},
+    sequence::args::CacheArgs,
     weld::WeldArg,
 };
 use meetings::Meeting;
@@ -38,6 +39,9 @@ use report::StageTimes;
 ///
 /// Exit code: 0 without intersections, 1 with, or where vertices are inside of a body or behind an inner layer, or
 /// primitives nearer than a gap that was asked for; 2 for bad input.
+///
+/// With --cache all frames of a sequence are checked, on all processors. --json then prints a line for each frame as
+/// it is done, and the totals last (schema untangled.sequence/1); the lines are the same for any number of threads.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
     /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
@@ -71,6 +75,9 @@ pub struct CheckArgs {
     /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
     #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
     pub max_face_pairs: u64,
+    /// `--cache`, `--body-cache` and `--frames`.
+    #[command(flatten)]
+    pub sequence: CacheArgs,
 }
 
 /// Why a check could not be done.

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::WeldArg};
+use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence::args::CacheArgs, weld::WeldArg};
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -20,6 +20,15 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, weld::Wel
 /// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
 /// beside OUT.
 ///
+/// With --cache the frames of a sequence are repaired, coherent in time: each correction is carried to the frames
+/// beside it, and fades out over 8 of them; a frame that was clean and needs no such fade is written bit for bit. OUT
+/// is of the format of the cache, each frame certified as it is written. Until the end it is called OUT.partial, beside
+/// OUT.journal (numbered meshes get their names one by one): after Ctrl-C or a crash the same command goes on from
+/// there. --frames A..B writes that part, with the bytes that the whole has there, so that several machines can share
+/// the work: parts of numbered meshes are the files of the whole, and need no joining; a part as .pc2 or .mdd is a
+/// cache of those frames, to be joined frame by frame behind one header. --json prints a line for each frame as it is
+/// done, and the totals last (schema untangled.sequence/1).
+///
 /// Exit code: 0 clean; 1 intersections remain, vertices inside of a body or behind an inner layer, or primitives nearer
 /// than the gap, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,8 +36,8 @@ pub struct FixArgs {
     /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input under its
-    /// own name
+    /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input under
+    /// its own name; with --cache a file or pattern of the same format as that
     #[arg(short, long, value_name = "OUT")]
     pub out: PathBuf,
     /// Print one JSON document (schema untangled.fix/1) instead of lines for people
@@ -67,6 +76,9 @@ pub struct FixArgs {
     /// Replace OUT (and the report) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
+    /// `--cache`, `--body-cache` and `--frames`.
+    #[command(flatten)]
+    pub sequence: CacheArgs,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

@@ -14,7 +14,7 @@ use crate::cli::{
 use super::{
     error::FixError,
     plan::check_movable,
-    repair::{Repair, Repaired, Written},
+    repair::{Repair, Repaired, Store, Written},
     terminal::{Interrupt, Progress},
 };
 
@@ -22,19 +22,19 @@ use super::{
 const MOST_ROUNDS: usize = 4;
 
 /// What does not change between rounds.
-pub(super) struct Clearing<'a> {
-    pub(super) repair: &'a Repair<'a>,
+pub(in crate::cli) struct Clearing<'a> {
+    pub(in crate::cli) repair: &'a Repair<'a>,
     /// The gap, if one was asked for.
-    pub(super) asked: Option<Asked>,
+    pub(in crate::cli) asked: Option<Asked>,
     /// The input.
-    pub(super) input: &'a Input,
-    pub(super) owners: &'a Owners<'a>,
+    pub(in crate::cli) input: &'a Input,
+    pub(in crate::cli) owners: &'a Owners<'a>,
 }
 
 impl Clearing<'_> {
     /// Opens the gap of a state that is clean; of another one it only counts. Gives back the state, and its distances
     /// if a gap was asked for.
-    pub(super) fn run(
+    pub(in crate::cli) fn run(
         &self,
         mut repaired: Repaired,
         interrupt: &Interrupt,
@@ -75,7 +75,9 @@ impl Clearing<'_> {
             if certificate.is_kept() || is_over || !repaired.written.counts.is_certified() {
                 break;
             }
-            check_movable(self.repair.jobs, self.input)?;
+            if let Store::Files(jobs) = self.repair.store {
+                check_movable(jobs, self.input)?;
+            }
             progress.say("setting primitives apart");
             let settings = RelaxSettings { max_iterations, ..self.repair.settings.clone() };
             let (written, clearance) = self.round(&repaired.written, distance_m, &settings, interrupt, progress)?;

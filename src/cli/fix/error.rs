@@ -5,6 +5,7 @@ use std::{io, path::PathBuf};
 use thiserror::Error;
 
 use untangle::relax::RelaxError;
+use untangled_mesh_io::WriteError;
 
 use crate::cli::{gap::GapError, input::InputError};
 
@@ -61,6 +62,9 @@ pub enum FixError {
         /// Why.
         reason: String,
     },
+    /// A frame can't hold what is to be written.
+    #[error(transparent)]
+    Store(WriteError),
     /// A written file can't be read back.
     #[error("what was written can't be read back: {0}")]
     ReadBack(InputError),

@@ -17,7 +17,7 @@
 mod args;
 mod clearance;
 mod error;
-mod pins;
+pub(super) mod pins;
 mod plan;
 mod repair;
 mod report;
@@ -44,11 +44,13 @@ use super::{
     owners::Owners,
     roles::Roles,
 };
-use clearance::Clearing;
+pub(super) use clearance::Clearing;
 use plan::{Job, check_movable, plan};
-use repair::{Repair, Repaired, Solver, Written};
-use target::{Staged, Target};
-use terminal::{Interrupt, Progress};
+pub(super) use repair::{Repair, Repaired, Store, rank};
+use repair::{Solver, Written};
+use target::Staged;
+pub(super) use target::Target;
+pub(super) use terminal::{Interrupt, Progress};
 
 /// Runs the subcommand: prints the report on standard output.
 ///
@@ -76,8 +78,8 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let before = count(args, &files, &roles, &input)?;
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
-    let repair =
-        Repair { files: &files, roles: &roles, jobs: &jobs, pins: &pins, settings: settings(args, &jobs), deadline };
+    let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
+    let repair = Repair { files: &files, roles: &roles, store, pins: &pins, settings, deadline };
     let repaired = if before.is_certified() {
         Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
     } else {

@@ -8,7 +8,7 @@ use super::error::FixError;
 ///
 /// # Errors
 /// [`FixError::Pins`], with the line at fault.
-pub(super) fn read(path: &Path, num_vertices: usize) -> Result<Vec<u32>, FixError> {
+pub(in crate::cli) fn read(path: &Path, num_vertices: usize) -> Result<Vec<u32>, FixError> {
     let error = |line, reason: String| FixError::Pins { path: path.to_path_buf(), line, reason };
     let bytes = fs::read(path).map_err(|source| error(None, format!("can't be read: {source}")))?;
     let mut pins = Vec::new();

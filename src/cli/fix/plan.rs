@@ -14,7 +14,7 @@ use super::{args::FixArgs, error::FixError, target::Target};
 
 /// One output file.
 #[derive(Debug)]
-pub(super) struct Job<'a> {
+pub(in crate::cli) struct Job<'a> {
     pub(super) output: Output<'a>,
     pub(super) target: Target,
     /// Its vertices in the world.

@@ -11,7 +11,7 @@ use untangle::{
     relax::{BlockedPath, Iteration, RelaxError, RelaxSettings, Relaxation},
     sides::{Layers, Sides},
 };
-use untangled_mesh_io::{MeshFile, read_mesh};
+use untangled_mesh_io::{CacheFrame, MeshFile, WriteError, read_mesh};
 
 use crate::cli::{certificate::Certificate, input::Input, roles::Roles};
 
@@ -36,43 +36,52 @@ pub(super) type Solver<'a> = &'a mut dyn FnMut(
 /// Most rounds, each of which relaxes the state that was read back from the files of the last one.
 const MOST_ROUNDS: usize = 8;
 
+/// Where a repair keeps its states.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cli) enum Store<'a> {
+    /// In temporary files beside their places, which are read back.
+    Files(&'a [Job<'a>]),
+    /// In memory, as a frame of a cache holds them.
+    Frame(&'a CacheFrame),
+}
+
 /// Temporary files beside their places, and their contents.
 #[derive(Debug)]
-pub(super) struct Written {
+pub(in crate::cli) struct Written {
     pub(super) staged: Vec<Staged>,
     /// The files read back, as one world.
-    pub(super) input: Input,
-    pub(super) counts: Counts,
+    pub(in crate::cli) input: Input,
+    pub(in crate::cli) counts: Counts,
     analysis: Analysis,
 }
 
 /// The result of a repair.
 #[derive(Debug)]
-pub(super) struct Repaired {
-    pub(super) written: Written,
-    pub(super) history: Vec<Iteration>,
-    pub(super) blocked: Vec<Blocked>,
+pub(in crate::cli) struct Repaired {
+    pub(in crate::cli) written: Written,
+    pub(in crate::cli) history: Vec<Iteration>,
+    pub(in crate::cli) blocked: Vec<Blocked>,
     /// Whether the untangling was ended by the time limit.
     pub(super) time_limit_reached: bool,
 }
 
 impl Repaired {
     /// Of an input that needs no repair.
-    pub(super) fn unchanged(written: Written) -> Self {
+    pub(in crate::cli) fn unchanged(written: Written) -> Self {
         Self { written, history: Vec::new(), blocked: Vec::new(), time_limit_reached: false }
     }
 }
 
 /// The parts of a repair that do not change between rounds.
 #[derive(Debug)]
-pub(super) struct Repair<'a> {
-    pub(super) files: &'a [MeshFile],
-    pub(super) roles: &'a Roles,
-    pub(super) jobs: &'a [Job<'a>],
-    pub(super) pins: &'a [u32],
-    pub(super) settings: RelaxSettings,
+pub(in crate::cli) struct Repair<'a> {
+    pub(in crate::cli) files: &'a [MeshFile],
+    pub(in crate::cli) roles: &'a Roles,
+    pub(in crate::cli) store: Store<'a>,
+    pub(in crate::cli) pins: &'a [u32],
+    pub(in crate::cli) settings: RelaxSettings,
     /// When the untangling is to end.
-    pub(super) deadline: Option<Instant>,
+    pub(in crate::cli) deadline: Option<Instant>,
 }
 
 /// The result of one round.
@@ -86,27 +95,17 @@ struct Round {
 }
 
 impl Repair<'_> {
-    /// Writes positions of the world to temporary files, reads these back and analyses them.
-    pub(super) fn write(
+    /// Writes positions of the world to where states are kept, reads them back and analyses them.
+    pub(in crate::cli) fn write(
         &self,
         start: &Input,
         positions: &[[f64; 3]],
         interrupt: &Interrupt,
     ) -> Result<Written, FixError> {
-        let (mut staged, mut meshes, mut names): (Vec<Staged>, Vec<MeshFile>, Vec<PathBuf>) = Default::default();
-        for Job { output, target, vertices } in self.jobs {
-            let file = target.stage(interrupt, |out| {
-                output.write(&positions[vertices.clone()], out).map_err(|source| target.failed(&source))
-            })?;
-            let mesh = read_mesh(file.path()).map_err(|mut error| {
-                error.path.clone_from(&target.path);
-                FixError::ReadBack(error.into())
-            })?;
-            output.check_read_back(&positions[vertices.clone()], &mesh).map_err(|source| target.failed(&source))?;
-            names.push(target.path.clone());
-            meshes.push(mesh);
-            staged.push(file);
-        }
+        let (staged, meshes, names) = match self.store {
+            Store::Files(jobs) => write_files(jobs, positions, interrupt)?,
+            Store::Frame(frame) => (Vec::new(), self.in_frame(frame, positions).map_err(FixError::Store)?, Vec::new()),
+        };
         let mut world = self.roles.join(&names, &meshes).map_err(FixError::ReadBack)?;
         world.description.pins = self.pins.to_vec();
         // What was one place is one place: the weld of the input is that of the output.
@@ -118,7 +117,7 @@ impl Repair<'_> {
 
     /// Relaxes a state that is not clean and writes the best result. Another round follows where a state was clean
     /// before its files rounded it, as long as iterations are left.
-    pub(super) fn run(
+    pub(in crate::cli) fn run(
         &self,
         input: &Input,
         before: &Counts,
@@ -213,6 +212,19 @@ impl Repair<'_> {
         Ok(Round { written, blocked: relaxation.blocked, lost_clean, interrupted: relaxation.interrupted })
     }
 
+    /// The cloth as a frame holds it.
+    fn in_frame(&self, frame: &CacheFrame, positions: &[[f64; 3]]) -> Result<Vec<MeshFile>, WriteError> {
+        let cloth = positions.get(..frame.positions().len()).unwrap_or(positions);
+        let stored = frame.stored_positions(cloth)?;
+        let mut first = 0;
+        let at = |file: &MeshFile| {
+            let own = first..first + file.positions().len();
+            first = own.end;
+            file.at_positions(stored.get(own).unwrap_or_default())
+        };
+        self.files.iter().map(at).collect()
+    }
+
     /// Whether the time limit has passed.
     pub(super) fn is_late(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
@@ -241,8 +253,30 @@ impl Repair<'_> {
     }
 }
 
+/// Temporary files, what is read back from them, and the names of their places.
+type WrittenFiles = (Vec<Staged>, Vec<MeshFile>, Vec<PathBuf>);
+
+/// Writes positions of the world to temporary files, and reads these back.
+fn write_files(jobs: &[Job<'_>], positions: &[[f64; 3]], interrupt: &Interrupt) -> Result<WrittenFiles, FixError> {
+    let (mut staged, mut meshes, mut names) = WrittenFiles::default();
+    for Job { output, target, vertices } in jobs {
+        let file = target.stage(interrupt, |out| {
+            output.write(&positions[vertices.clone()], out).map_err(|source| target.failed(&source))
+        })?;
+        let mesh = read_mesh(file.path()).map_err(|mut error| {
+            error.path.clone_from(&target.path);
+            FixError::ReadBack(error.into())
+        })?;
+        output.check_read_back(&positions[vertices.clone()], &mesh).map_err(|source| target.failed(&source))?;
+        names.push(target.path.clone());
+        meshes.push(mesh);
+        staged.push(file);
+    }
+    Ok((staged, meshes, names))
+}
+
 /// How far a state is from clean: what intersects in it or is on the wrong side first, then what readers find.
-fn rank(counts: &Counts) -> (usize, usize) {
+pub(in crate::cli) fn rank(counts: &Counts) -> (usize, usize) {
     (counts.num_edge_face_intersections + counts.num_wrong(), counts.certificate.total())
 }
 

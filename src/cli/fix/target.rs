@@ -15,12 +15,12 @@ use super::{error::FixError, terminal::Interrupt};
 
 /// A file that may be written.
 #[derive(Clone, Debug)]
-pub(super) struct Target {
+pub(in crate::cli) struct Target {
     /// The path as the user named it.
-    pub(super) path: PathBuf,
+    pub(in crate::cli) path: PathBuf,
     /// The path with links resolved, so that a link is kept and its file replaced.
-    place: PathBuf,
-    overwrite: bool,
+    pub(in crate::cli) place: PathBuf,
+    pub(in crate::cli) overwrite: bool,
 }
 
 impl Target {
@@ -29,7 +29,7 @@ impl Target {
     ///
     /// # Errors
     /// [`FixError::Target`].
-    pub(super) fn new(path: PathBuf, inputs: &[&Path], overwrite: bool) -> Result<Self, FixError> {
+    pub(in crate::cli) fn new(path: PathBuf, inputs: &[&Path], overwrite: bool) -> Result<Self, FixError> {
         let error = |reason: String| FixError::Target { path: path.clone(), reason };
         if inputs.iter().any(|input| is_same_file(&path, input)) {
             return Err(error("is an input, and inputs are never overwritten".into()));
@@ -52,7 +52,7 @@ impl Target {
 
     /// Writes a temporary file beside the place and synchronises it to the disk. It is removed when dropped, and by a
     /// signal.
-    pub(super) fn stage(
+    pub(in crate::cli) fn stage(
         &self,
         interrupt: &Interrupt,
         write: impl FnOnce(&mut dyn Write) -> Result<(), FixError>,
@@ -77,7 +77,7 @@ impl Target {
     }
 
     /// The error of a file that can't be written.
-    pub(super) fn failed(&self, source: &dyn std::fmt::Display) -> FixError {
+    pub(in crate::cli) fn failed(&self, source: &dyn std::fmt::Display) -> FixError {
         FixError::Target { path: self.path.clone(), reason: format!("can't be written: {source}") }
     }
 }
@@ -118,7 +118,7 @@ fn has_trailing_slash(path: &Path) -> bool {
 
 /// A complete temporary file beside its place.
 #[derive(Debug)]
-pub(super) struct Staged {
+pub(in crate::cli) struct Staged {
     file: NamedTempFile,
     target: Target,
 }
@@ -130,7 +130,7 @@ impl Staged {
     }
 
     /// Renames the file to its place, which is one step.
-    pub(super) fn persist(self) -> Result<(), FixError> {
+    pub(in crate::cli) fn persist(self) -> Result<(), FixError> {
         let Self { file, target } = self;
         // A file that was created since the check in `new` is not replaced without `overwrite`.
         let result = if target.overwrite { file.persist(&target.place) } else { file.persist_noclobber(&target.place) };

@@ -50,6 +50,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         roles: Default::default(),
         gap: GapArgs::default(),
         overwrite: false,
+        sequence: crate::cli::sequence::args::CacheArgs::default(),
     };
     (folder, args)
 }

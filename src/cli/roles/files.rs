@@ -65,6 +65,11 @@ impl Roles {
         Ok(Self { bodies: files, reports, layers })
     }
 
+    /// The same roles with the bodies at other places.
+    pub(in crate::cli) fn with_bodies(&self, bodies: Vec<MeshFile>) -> Self {
+        Self { bodies, reports: self.reports.clone(), layers: self.layers.clone() }
+    }
+
     /// Whether there is no body.
     pub(in crate::cli) fn has_no_body(&self) -> bool {
         self.bodies.is_empty()

@@ -1,5 +1,6 @@
 //! Files as a user has them: read, refused, and written back.
 
+mod caches;
 mod damage;
 mod gltf;
 mod obj;

@@ -41,6 +41,7 @@ use crate::mesh::Mesh;
 
 pub use clearance::{Clearance, ClearanceObstacle, InfeasiblePlace, open_gap};
 pub use constraints::STRETCH_LIMIT;
+pub(crate) use energy::nearest_rotation;
 pub use outcome::{BlockedPath, Iteration, Method, RelaxError, Relaxation};
 pub(crate) use proposal::{AnalysedFrame, Proposer};
 pub use settings::{Effort, RelaxSettings};

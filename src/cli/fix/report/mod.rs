@@ -120,7 +120,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    pub(super) fn new(analysis: &Analysis, roles: &Roles, input: &Input, certificate: Certificate) -> Self {
+    pub(in crate::cli) fn new(analysis: &Analysis, roles: &Roles, input: &Input, certificate: Certificate) -> Self {
         Self {
             num_edge_face_intersections: analysis.intersections.edge_face.len(),
             num_face_pairs: analysis.intersections.segments.len(),
@@ -132,7 +132,7 @@ impl Counts {
     }
 
     /// Whether there is no intersection in the files as they are, and no vertex on the wrong side.
-    pub(super) fn is_clean(&self) -> bool {
+    pub(in crate::cli) fn is_clean(&self) -> bool {
         self.num_face_pairs == 0 && self.num_wrong() == 0
     }
 
@@ -143,7 +143,7 @@ impl Counts {
     }
 
     /// Whether no reader of the files finds an intersection.
-    pub(super) fn is_certified(&self) -> bool {
+    pub(in crate::cli) fn is_certified(&self) -> bool {
         self.is_clean() && self.certificate.is_clean()
     }
 }
@@ -213,7 +213,7 @@ impl Blocked {
     }
 
     /// Says to whom the vertices of paths belong.
-    pub(super) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
+    pub(in crate::cli) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
         let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
         for (path, owner) in blocked.iter_mut().zip(of) {
             if let Some(OwnedVertex { file, vertex_in_file, part }) = owner {

@@ -32,6 +32,8 @@ pub(crate) struct Interrupt {
 
 #[derive(Debug, Default)]
 struct Shared {
+    /// What is said at the end, if it is not that nothing was written.
+    words: Option<&'static str>,
     asked: AtomicBool,
     files: Mutex<Files>,
 }
@@ -46,7 +48,17 @@ struct Files {
 impl Interrupt {
     /// Starts listening.
     pub(crate) fn listen() -> io::Result<Self> {
-        let mut interrupt = Self::default();
+        Self::default().start()
+    }
+
+    /// Starts listening, for work that keeps what is finished. `words` say so.
+    pub(crate) fn listen_saying(words: &'static str) -> io::Result<Self> {
+        let shared = Arc::new(Shared { words: Some(words), ..Shared::default() });
+        Self { shared, handlers: Vec::new() }.start()
+    }
+
+    fn start(mut self) -> io::Result<Self> {
+        let interrupt = &mut self;
         let (mut receiver, sender) = UnixStream::pair()?;
         for signal in [SIGINT, SIGTERM] {
             interrupt.handlers.push(low_level::pipe::register(signal, sender.try_clone()?)?);
@@ -59,7 +71,7 @@ impl Interrupt {
                 shared.end_process();
             }
         })?;
-        Ok(interrupt)
+        Ok(self)
     }
 
     /// The flag that asks the work to end, for solvers.
@@ -116,7 +128,10 @@ impl Shared {
         }
         // A line of progress may stand on the terminal.
         let fresh = if io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
-        eprintln!("{fresh}untangled: {}", FixError::Interrupted);
+        match self.words {
+            Some(words) => eprintln!("{fresh}untangled: {words}"),
+            None => eprintln!("{fresh}untangled: {}", FixError::Interrupted),
+        }
         // Without destructors: other threads are at work on what they would destroy.
         low_level::exit(2);
     }

@@ -3,5 +3,5 @@
 mod interrupt;
 mod progress;
 
-pub(super) use interrupt::Interrupt;
-pub(super) use progress::Progress;
+pub(in crate::cli) use interrupt::Interrupt;
+pub(in crate::cli) use progress::Progress;

@@ -17,6 +17,7 @@ pub(crate) struct Progress {
     bar: ProgressBar,
     num_iterations: usize,
     last_line: Instant,
+    is_silent: bool,
 }
 
 /// Time between two lines where standard error is no terminal.
@@ -30,7 +31,12 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(100));
-        Self { bar, num_iterations: 0, last_line: Instant::now() }
+        Self { bar, num_iterations: 0, last_line: Instant::now(), is_silent: false }
+    }
+
+    /// Of one of several repairs side by side, which share a line of their own.
+    pub(crate) fn silent() -> Self {
+        Self { bar: ProgressBar::hidden(), num_iterations: 0, last_line: Instant::now(), is_silent: true }
     }
 
     /// Shows the current stage.
@@ -49,7 +55,7 @@ impl Progress {
             |count| format!("{count} primitive pairs too close"),
         );
         let line = format!("iteration {}: {state} ({})", self.num_iterations, name_of(method));
-        if self.bar.is_hidden() && self.last_line.elapsed() >= BETWEEN_LINES {
+        if self.bar.is_hidden() && !self.is_silent && self.last_line.elapsed() >= BETWEEN_LINES {
             self.last_line = Instant::now();
             // Nobody may be there to read it.
             let _ = writeln!(io::stderr(), "untangled: {line}");

@@ -18,5 +18,6 @@ mod vertex_arap;
 
 pub(crate) use domain::Domain;
 pub(crate) use flattening::{FlatteningEnergy, FlatteningSystem};
+pub(crate) use rotation::nearest_rotation;
 pub(crate) use stiffness::StiffnessMatrix;
 pub(crate) use vertex_arap::{ArapEnergy, RestShape};

@@ -14,7 +14,7 @@ const LAST_CHANGE: f64 = 1e-7;
 /// and is large where they are small: the sum of both has the same nearest rotation, and is well enough conditioned for
 /// Newton's iteration (Higham 1986). Where that fails, the singular value decomposition decides, which takes several
 /// times as long.
-pub(super) fn nearest_rotation(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+pub(crate) fn nearest_rotation(matrix: &Matrix3<f64>) -> Matrix3<f64> {
     let scaled = matrix / matrix.norm();
     let mut rotation = scaled + cofactors(&scaled);
     for _ in 0..MAX_NEWTON_STEPS {

@@ -1,0 +1,7 @@
+//! Shots: generated cloth on a moving body, frame by frame, and vertex caches of it.
+
+mod caches;
+mod flap;
+
+pub use caches::{mdd, numbered_obj, pc2};
+pub use flap::{FlapShot, Tangle};

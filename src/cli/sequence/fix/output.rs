@@ -1,0 +1,226 @@
+//! The output of a sequence while it grows: nothing that bears its name is half.
+
+use std::{
+    collections::BTreeSet,
+    fs::{self, File, OpenOptions},
+    io,
+    ops::RangeInclusive,
+    os::unix::fs::{FileExt, MetadataExt},
+    path::{Path, PathBuf},
+};
+
+use untangled_mesh_io::{Pattern, VertexCache};
+
+use super::journal::{Entry, beside};
+use crate::cli::{
+    fix::Target,
+    sequence::{error::SequenceError, shot::Shot},
+};
+
+/// Where frames are written.
+#[derive(Debug)]
+pub(super) enum Output {
+    /// All frames in one file, which gets its name at the end.
+    One(OneFile),
+    /// A file for each frame.
+    Numbered {
+        /// Their names.
+        pattern: Pattern,
+        /// Whether files of that name may be replaced.
+        overwrite: bool,
+    },
+}
+
+/// A file that grows.
+#[derive(Debug)]
+pub(super) struct OneFile {
+    target: Target,
+    partial: PathBuf,
+    file: File,
+    header: Vec<u8>,
+    first: u64,
+    frame_size: usize,
+}
+
+impl Output {
+    /// Plans an output; nothing is written yet but an empty partial file.
+    pub(super) fn new(shot: &Shot, out: &Path, overwrite: bool, inputs: &[PathBuf]) -> Result<Self, SequenceError> {
+        let error = |reason: &str| SequenceError::Target { path: out.to_path_buf(), reason: reason.to_owned() };
+        let kind = |path: &Path| path.extension().map(|kind| kind.to_string_lossy().to_ascii_lowercase());
+        if kind(out) != kind(shot.cache.path()) || Pattern::is_meant_by(out) != shot.cache.pattern().is_some() {
+            return Err(error(
+                "must be of the format of the cache: .pc2, .mdd, or numbered meshes by a pattern with #",
+            ));
+        }
+        if shot.cache.pattern().is_some() {
+            let pattern = Pattern::new(out).map_err(|source| error(&source.to_string()))?;
+            if !pattern.folder().is_dir() {
+                return Err(error("there is no such folder"));
+            }
+            return Ok(Self::Numbered { pattern, overwrite });
+        }
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let target = Target::new(out.to_path_buf(), &inputs, overwrite)?;
+        let partial = beside(&target.place, "partial");
+        let frame_size = 12 * shot.cache.read(*shot.part.start())?.positions().len();
+        let open = || OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&partial);
+        let file = open().map_err(|source| failed(&partial, &source))?;
+        let header = shot.cache.header(&shot.part);
+        Ok(Self::One(OneFile { target, partial, file, header, first: *shot.part.start(), frame_size }))
+    }
+
+    /// The journal beside it. Parts that are numbered files have one each.
+    pub(super) fn journal(&self, part: &RangeInclusive<u64>) -> PathBuf {
+        match self {
+            Self::One(one) => beside(&one.target.place, "journal"),
+            Self::Numbered { pattern, .. } => {
+                let name = format!("{}-{}.journal", part.start(), part.end());
+                beside(&pattern.path(), &name)
+            }
+        }
+    }
+
+    /// The bytes of a frame as they stand on the disk, if they are there.
+    pub(super) fn read(&self, frame: u64) -> Option<Vec<u8>> {
+        match self {
+            Self::One(one) => {
+                let mut bytes = vec![0; one.frame_size];
+                one.file.read_exact_at(&mut bytes, one.offset(frame)).ok()?;
+                Some(bytes)
+            }
+            Self::Numbered { pattern, .. } => fs::read(pattern.file(frame)).ok(),
+        }
+    }
+
+    /// The first frames that the disk confirms.
+    pub(super) fn confirmed(&self, first: u64, entries: Vec<Entry>) -> Vec<Entry> {
+        let in_order = (first..).zip(entries).take_while(|(frame, entry)| entry.frame == *frame);
+        let is_there = |(frame, entry): &(u64, Entry)| self.read(*frame).is_some_and(|bytes| entry.is_of(&bytes));
+        in_order.take_while(is_there).map(|(_, entry)| entry).collect()
+    }
+
+    /// Makes room for a run that goes on at a frame. `own` are frames that an earlier run wrote: they may be replaced.
+    pub(super) fn begin(
+        &self,
+        left: RangeInclusive<u64>,
+        own: &[Entry],
+        inputs: &[PathBuf],
+    ) -> Result<(), SequenceError> {
+        match self {
+            Self::One(one) => {
+                let begin = || {
+                    one.file.set_len(one.offset(*left.start()))?;
+                    one.file.write_all_at(&one.header, 0)
+                };
+                begin().map_err(|source| failed(&one.partial, &source))
+            }
+            Self::Numbered { pattern, overwrite } => {
+                let inputs: BTreeSet<(u64, u64)> = inputs.iter().filter_map(|path| identity(path)).collect();
+                left.into_iter().try_for_each(|frame| {
+                    let path = pattern.file(frame);
+                    let is_own =
+                        || own.iter().any(|e| e.frame == frame && self.read(frame).is_some_and(|b| e.is_of(&b)));
+                    may_write(&path, &inputs, *overwrite, is_own)
+                        .map_err(|reason| SequenceError::Target { path: path.clone(), reason: reason.to_owned() })
+                })
+            }
+        }
+    }
+
+    /// Writes a frame beside its place, and reads it back.
+    pub(super) fn write(&self, frame: u64, bytes: &[u8]) -> Result<(), SequenceError> {
+        let (path, written) = match self {
+            Self::One(one) => {
+                let write = || {
+                    one.file.write_all_at(bytes, one.offset(frame))?;
+                    Ok(self.read(frame))
+                };
+                (one.partial.clone(), write())
+            }
+            Self::Numbered { pattern, .. } => {
+                let path = beside(&pattern.file(frame), "partial");
+                let write = || {
+                    fs::write(&path, bytes)?;
+                    File::open(&path)?.sync_data()?;
+                    fs::read(&path).map(Some)
+                };
+                let written = write();
+                (path, written)
+            }
+        };
+        match written {
+            Ok(written) if written.as_deref() == Some(bytes) => Ok(()),
+            Ok(_) => Err(SequenceError::ReadBack { path, frame }),
+            Err(source) => Err(failed(&path, &source)),
+        }
+    }
+
+    /// Puts a frame at its place, which is one step.
+    pub(super) fn place(&self, frame: u64) -> Result<(), SequenceError> {
+        let Self::Numbered { pattern, .. } = self else { return Ok(()) };
+        let path = pattern.file(frame);
+        fs::rename(beside(&path, "partial"), &path).map_err(|source| failed(&path, &source))
+    }
+
+    /// Puts the whole at its place.
+    pub(super) fn finish(&self) -> Result<(), SequenceError> {
+        let Self::One(OneFile { target, partial, file, .. }) = self else { return Ok(()) };
+        let finish = || {
+            file.sync_all()?;
+            if !target.overwrite {
+                // A file that was created since the start is not replaced.
+                fs::hard_link(partial, &target.place)?;
+                return fs::remove_file(partial);
+            }
+            fs::rename(partial, &target.place)
+        };
+        finish().map_err(|source| failed(&target.path, &source))
+    }
+}
+
+impl OneFile {
+    fn offset(&self, frame: u64) -> u64 {
+        self.header.len() as u64 + (frame - self.first) * self.frame_size as u64
+    }
+}
+
+/// What tells a file whatever its name is.
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    fs::metadata(path).ok().map(|metadata| (metadata.dev(), metadata.ino()))
+}
+
+/// Whether a frame may be written to a path.
+fn may_write(
+    path: &Path,
+    inputs: &BTreeSet<(u64, u64)>,
+    overwrite: bool,
+    is_own: impl FnOnce() -> bool,
+) -> Result<(), &'static str> {
+    let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
+    if identity(path).is_some_and(|file| inputs.contains(&file)) {
+        return Err("is an input, and inputs are never overwritten");
+    }
+    if !metadata.is_file() {
+        return Err("is not a regular file");
+    }
+    if overwrite && metadata.permissions().readonly() {
+        return Err("is write-protected, and --overwrite does not replace such files");
+    }
+    if overwrite || is_own() { Ok(()) } else { Err("exists; --overwrite replaces it") }
+}
+
+fn failed(path: &Path, source: &io::Error) -> SequenceError {
+    SequenceError::Target { path: path.to_path_buf(), reason: format!("can't be written: {source}") }
+}
+
+/// All files of caches.
+pub(super) fn files_of<'c>(caches: impl Iterator<Item = &'c VertexCache>) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for cache in caches {
+        match cache.pattern() {
+            Some(pattern) => files.extend(cache.frames().map(|frame| pattern.file(frame))),
+            None => files.push(cache.path().to_path_buf()),
+        }
+    }
+    files
+}
