@@ -242,7 +242,7 @@ impl Repair<'_> {
 }
 
 /// How far a state is from clean: what intersects in it or is on the wrong side first, then what readers find.
-fn rank(counts: &Counts) -> (usize, usize) {
+pub(super) fn rank(counts: &Counts) -> (usize, usize) {
     (counts.num_edge_face_intersections + counts.num_wrong(), counts.certificate.total())
 }
 
