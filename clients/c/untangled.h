@@ -312,8 +312,8 @@ typedef struct {
     uint32_t truncated;
     // Number of vertices that move.
     uint32_t num_moved;
-    // Zero.
-    uint32_t reserved;
+    // Vertices of cloth inside of a body in the repaired state; 0 without bodies.
+    uint32_t num_inside_body;
     // Edges that pierce a face in the repaired state.
     uint64_t num_edge_face_intersections;
     // Pairs of faces that cross in the repaired state, as the check counts them.
