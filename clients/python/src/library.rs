@@ -106,8 +106,8 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
     found.set_item("face_pairs", PyByteArray::new(py, &of_u32s(pairs)))?;
     found.set_item("contour_length_m", analysis.paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>())?;
     let [inside_body, behind] = py.detach(|| wrong_vertices(&mesh, &frame));
-    found.set_item("inside_body", PyByteArray::new(py, &of_u32s(inside_body.into_iter())))?;
-    found.set_item("behind", PyByteArray::new(py, &of_u32s(behind.into_iter())))?;
+    found.set_item("inside_body", PyByteArray::new(py, &of_u32s(inside_body)))?;
+    found.set_item("behind", PyByteArray::new(py, &of_u32s(behind)))?;
     found.set_item("inside", PyByteArray::new(py, &inside))?;
     found.set_item("paths", paths)?;
     Ok(found)
