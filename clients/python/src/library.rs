@@ -128,8 +128,9 @@ fn wrong_vertices(mesh: &Mesh, frame: &Frame) -> [Vec<u32>; 2] {
 }
 
 /// Repairs one state: positions as bytes, what a judge that shares no code with the repair counts, and blocked paths,
-/// by name. With a gap, what nothing intersects is set apart. `progress` is called after each iteration, with how many there were, the intersections, the length of the
-/// paths and the method; it ends the work where it returns `False` or raises.
+/// by name. With a gap, what nothing intersects is set apart. `progress` is called after each iteration, with how many
+/// there were, the intersections, the length of the paths and the method; it ends the work where it returns `False` or
+/// raises.
 #[pyfunction]
 pub(crate) fn fix<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Which vertices of a layer are behind one that lies further in: on the inner side of the nearest point of its surface.
+//! Which vertices of a layer are behind one that lies further in: on the inner side of the nearest point of it.
 //!
 //! The side is that of the normal at the nearest point: of its triangle, the sum of those of both at an edge, and the
 //! sum of all, each by its angle, at a corner, which is right for every point whose nearest point that is (Baerentzen

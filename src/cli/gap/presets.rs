@@ -19,8 +19,8 @@ pub enum Tool {
     Ppf,
     /// libuipc: a pair fails when its squared distance is at most the square of the sum of its two thicknesses.
     Libuipc,
-    /// Newton (VBD, self-contact): a vertex and a triangle, or two edges, push each other where they are nearer than the
-    /// margin; contacts are looked for within the gap beyond it.
+    /// Newton (VBD, self-contact): a vertex and a triangle, or two edges, push each other where they are nearer than
+    /// the margin; contacts are looked for within the gap beyond it.
     Newton,
 }
 

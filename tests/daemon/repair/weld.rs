@@ -38,8 +38,8 @@ impl Pair {
         Self { whole, split, whole_vertex }
     }
 
-    /// Registrations of both, with a mass for each vertex. Those of the split cloth in one place sum to one of the whole
-    /// cloth without rounding.
+    /// Registrations of both, with a mass for each vertex. Those of the split cloth in one place sum to one of the
+    /// whole cloth without rounding.
     fn registrations(&self, precision: Precision) -> [Registration; 2] {
         let mut counts = vec![0; self.whole.positions.len()];
         self.whole_vertex.iter().for_each(|&vertex| counts[vertex] += 1);

@@ -90,7 +90,7 @@ impl Session {
         self.link.options().has_labels()
     }
 
-    /// Vertices that became one with an earlier one in their place, where [`Registration::weld`] asked for that; else 0.
+    /// Vertices that became one with an earlier one in their place, where [`Registration::weld`] asked for that.
     #[must_use]
     pub fn num_welded_vertices(&self) -> usize {
         self.link.num_welded()

@@ -7,8 +7,8 @@
 //! barrier: distances need not stay above zero by an energy where every step is checked exactly.
 //!
 //! Not every pair can be set apart: primitives that are connected along the surface by less than the gap, that are held
-//! from both sides, or pinned, or part of a tangle that is left. These get no constraints once they are recognised, so that nothing is stretched in vain,
-//! and are named.
+//! from both sides, or pinned, or part of a tangle that is left. These get no constraints once they are recognised, so
+//! that nothing is stretched in vain, and are named.
 //!
 //! | file | purpose |
 //! |---|---|
