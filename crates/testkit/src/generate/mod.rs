@@ -5,6 +5,7 @@ pub mod degenerate;
 mod fan;
 pub mod furrows;
 pub mod mirrored;
+pub mod outfits;
 mod relabel;
 mod sheet;
 mod split;
