@@ -59,7 +59,8 @@ impl Limb {
         }
     }
 
-    /// Adds a tube round the limb between two distances from its joint, `off` its surface, with so many folds of a depth.
+    /// Adds a tube round the limb between two distances from its joint, `off` its surface, with folds: their depth and
+    /// number.
     fn add_tube(self, sheet: &mut Sheet, [from, to]: [f64; 2], off: f64, [fold, waves]: [f64; 2], around: u32) {
         let first = sheet.positions.len();
         let edge = TAU * (self.radius + off) / f64::from(around);
