@@ -40,6 +40,11 @@
 // frames more.
 #define UNTANGLED_REPAIRS 4
 
+// Option of a registration: vertices with exactly one place in `rest_positions_m` are one along seams, for meshes that
+// were split for texture coordinates or normals; see `untangled_num_welded_vertices`. They have to be in one place in
+// each state, and corrections keep them there. A daemon that is too old refuses it.
+#define UNTANGLED_WELD 8
+
 // The version of this interface. It changes where a program has to be compiled again.
 #define UNTANGLED_ABI_VERSION 1
 
@@ -307,8 +312,8 @@ typedef struct {
     uint32_t truncated;
     // Number of vertices that move.
     uint32_t num_moved;
-    // Zero.
-    uint32_t reserved;
+    // Vertices of cloth inside of a body in the repaired state; 0 without bodies.
+    uint32_t num_inside_body;
     // Edges that pierce a face in the repaired state.
     uint64_t num_edge_face_intersections;
     // Pairs of faces that cross in the repaired state, as the check counts them.
@@ -438,6 +443,10 @@ uint64_t untangled_default_deadline_us(untangled_session session);
 
 // Number of vertices of a session; 0 for no session.
 size_t untangled_num_vertices(untangled_session session);
+
+// Vertices that became one with an earlier one in their place, where a session was registered with `UNTANGLED_WELD`;
+// else 0.
+size_t untangled_num_welded_vertices(untangled_session session);
 
 // How often a session was registered, more than once if a daemon went away; 0 for no session.
 uint32_t untangled_num_registrations(untangled_session session);

@@ -86,6 +86,8 @@ struct Cloth {
     bool sparse = false;
     /// Whether corrections shall have labels, for `Contacts`; makes them sparse as well.
     bool labels = false;
+    /// Whether vertices with exactly one place in `rest_positions_m` are one along seams: see `UNTANGLED_WELD`.
+    bool weld = false;
     /// A JSON object; empty for the daemon's defaults.
     std::string settings_json;
 };
@@ -278,6 +280,8 @@ public:
     }
 
     std::size_t num_vertices() const noexcept { return num_vertices_; }
+    /// Vertices that became one with an earlier one in their place, where that was asked for.
+    std::size_t num_welded_vertices() const { return untangled_num_welded_vertices(session_); }
     /// Whether corrections come sparse, as asked for: not from a daemon that is too old.
     bool is_sparse() const { return untangled_is_sparse(session_); }
     /// Whether corrections have labels, as asked for: not from a daemon that is too old.
@@ -425,7 +429,7 @@ public:
         registration.correction = cloth.correction;
         registration.paths = cloth.paths ? 1 : 0;
         registration.options = (cloth.sparse ? UNTANGLED_SPARSE : 0) | (cloth.labels ? UNTANGLED_LABELS : 0) |
-                               (cloth.repairs ? UNTANGLED_REPAIRS : 0);
+                               (cloth.repairs ? UNTANGLED_REPAIRS : 0) | (cloth.weld ? UNTANGLED_WELD : 0);
         registration.settings_json = cloth.settings_json.empty() ? nullptr : cloth.settings_json.c_str();
         untangled_session session = {};
         check(untangled_register_with_body(client_, &registration, cloth.body.empty() ? nullptr : cloth.body.data(),

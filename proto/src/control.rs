@@ -70,8 +70,11 @@ pub struct ReplyHeader {
     /// Vertices of the session that was registered that belong to bodies. A daemon that does not know bodies writes
     /// zero, from which a client sees that it took them for cloth.
     pub num_body_vertices: u64,
+    /// Vertices of the session that was registered with [`SessionOptions::WELD`], those in one place counted once. Zero
+    /// without that option, and from a daemon that does not know it.
+    pub num_places: u64,
     /// Zero.
-    pub reserved: [u64; 2],
+    pub reserved: u64,
 }
 
 /// The feature of a [`Hello`] that says that the daemon knows the section
@@ -146,8 +149,11 @@ impl SessionOptions {
     pub const LABELS: Self = Self(2);
     /// A service for repairs: see [`RepairHeader`](crate::RepairHeader).
     pub const REPAIR: Self = Self(4);
+    /// Vertices with exactly one place at rest are one along seams: see [`ReplyHeader::num_places`].
+    pub const WELD: Self = Self(8);
     /// Each option with its name among the features of a [`Hello`].
-    pub const NAMES: [(&str, Self); 3] = [("sparse", Self::SPARSE), ("labels", Self::LABELS), ("repair", Self::REPAIR)];
+    pub const NAMES: [(&str, Self); 4] =
+        [("sparse", Self::SPARSE), ("labels", Self::LABELS), ("repair", Self::REPAIR), ("weld", Self::WELD)];
 
     /// The options of a value on the wire; nothing where it has bits that are not known.
     #[must_use]
@@ -190,6 +196,12 @@ impl SessionOptions {
     #[must_use]
     pub fn has_repairs(self) -> bool {
         self.contains(Self::REPAIR)
+    }
+
+    /// Whether vertices in one place are one.
+    #[must_use]
+    pub fn is_welded(self) -> bool {
+        self.contains(Self::WELD)
     }
 }
 

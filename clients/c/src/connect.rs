@@ -139,6 +139,18 @@ pub extern "C" fn untangled_num_vertices(session: SessionHandle) -> usize {
     if code == ErrorCode::Ok { num_vertices } else { 0 }
 }
 
+/// Vertices that became one with an earlier one in their place, where a session was registered with `UNTANGLED_WELD`;
+/// else 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn untangled_num_welded_vertices(session: SessionHandle) -> usize {
+    let mut num_welded = 0;
+    let code = guard(|| {
+        num_welded = lock(&*SESSIONS.get(session.id)?).session.num_welded_vertices();
+        Ok(())
+    });
+    if code == ErrorCode::Ok { num_welded } else { 0 }
+}
+
 /// How often a session was registered, more than once if a daemon went away; 0 for no session.
 #[unsafe(no_mangle)]
 pub extern "C" fn untangled_num_registrations(session: SessionHandle) -> u32 {

@@ -7,7 +7,7 @@ use client::{CorrectionKind, Precision, Registration, Uvs};
 use crate::{
     error::{ErrorCode, Fault, guard},
     input,
-    types::{Kind, PositionPrecision, UNTANGLED_LABELS, UNTANGLED_REPAIRS, UNTANGLED_SPARSE},
+    types::{Kind, PositionPrecision, UNTANGLED_LABELS, UNTANGLED_REPAIRS, UNTANGLED_SPARSE, UNTANGLED_WELD},
 };
 
 /// A cloth and what is asked for. Fill it with `untangled_registration_init` first; only `num_vertices` and `triangles`
@@ -122,12 +122,13 @@ impl ClothRegistration {
             labels: self.options & UNTANGLED_LABELS != 0,
             paths: flag("paths", self.paths)?,
             repairs: self.options & UNTANGLED_REPAIRS != 0,
+            weld: self.options & UNTANGLED_WELD != 0,
             settings: settings.map_or(Ok(serde_json::Value::Null), parse)?,
         })
     }
 
     fn check_sizes(&self) -> Result<(), Fault> {
-        if self.options & !(UNTANGLED_SPARSE | UNTANGLED_LABELS | UNTANGLED_REPAIRS) != 0 {
+        if self.options & !(UNTANGLED_SPARSE | UNTANGLED_LABELS | UNTANGLED_REPAIRS | UNTANGLED_WELD) != 0 {
             let options = self.options;
             return Err(Fault::argument(format_args!("`options` is {options}, with bits that are not known")));
         }

@@ -14,6 +14,7 @@ mod error;
 mod library;
 mod memory;
 mod repair;
+mod repaired;
 mod session;
 
 use pyo3::prelude::*;

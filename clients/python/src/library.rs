@@ -11,12 +11,15 @@ use untangle::{
     analysis::Analyser,
     frame::Frame,
     mesh::{Mesh, MeshDescription, Uvs},
-    relax::{Effort, Iteration, RelaxSettings, relax},
+    relax::{Effort, Iteration, RelaxSettings},
     settings::Settings,
+    sides::{Layers, Sides},
 };
-use untangled_checker::count_edge_face;
 
-use crate::bytes::{f64s, of_f64s, of_u32s, u32s};
+use crate::{
+    bytes::{f64s, of_f64s, of_u32s, u32s},
+    repaired::{Repaired, Verdict, count_edge_face},
+};
 
 /// A mesh from Python: arrays as bytes, indices of u32 and numbers of f64.
 #[derive(FromPyObject)]
@@ -29,6 +32,7 @@ pub(crate) struct Cloth {
     rest_positions: Option<Vec<u8>>,
     pins: Vec<u8>,
     layers: Option<Vec<u8>>,
+    body: Vec<u8>,
 }
 
 impl Cloth {
@@ -50,7 +54,7 @@ impl Cloth {
             masses_kg: None,
             pins: u32s::<1>("pins", &self.pins)?.into_flattened(),
             layers: layers.map(|layers| layers.into_flattened()),
-            body: Vec::new(),
+            body: u32s::<1>("body", &self.body)?.into_flattened(),
         };
         let mesh = Mesh::new(description).map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok((mesh, positions))
@@ -101,14 +105,32 @@ pub(crate) fn analyse<'py>(py: Python<'py>, cloth: Cloth, settings: &str) -> PyR
     found.set_item("edge_face", PyByteArray::new(py, &of_u32s(edges)))?;
     found.set_item("face_pairs", PyByteArray::new(py, &of_u32s(pairs)))?;
     found.set_item("contour_length_m", analysis.paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>())?;
+    let [inside_body, behind] = py.detach(|| wrong_vertices(&mesh, &frame));
+    found.set_item("inside_body", PyByteArray::new(py, &of_u32s(inside_body)))?;
+    found.set_item("behind", PyByteArray::new(py, &of_u32s(behind)))?;
     found.set_item("inside", PyByteArray::new(py, &inside))?;
     found.set_item("paths", paths)?;
     Ok(found)
 }
 
-/// Repairs one state: positions as bytes, the count of a check that shares no code with the repair, and blocked paths,
-/// by name. `progress` is called after each iteration, with how many there were, the intersections, the length of the
-/// paths and the method; it ends the work where it returns `False` or raises.
+/// The vertices of cloth inside of a body, and those behind an inner layer, ascending.
+fn wrong_vertices(mesh: &Mesh, frame: &Frame) -> [Vec<u32>; 2] {
+    let bodies = Sides::of(mesh, frame);
+    let inside = bodies.as_ref().map(|bodies| bodies.wrong_vertices(mesh, frame)).unwrap_or_default();
+    let layers = Layers::of(mesh, frame, bodies.as_ref());
+    let behind = layers.map(|layers| layers.behind(mesh, frame.positions())).unwrap_or_default();
+    [inside, behind].map(|wrong| {
+        let mut vertices: Vec<u32> = wrong.iter().map(|wrong| wrong.vertex.0).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    })
+}
+
+/// Repairs one state: positions as bytes, what a judge that shares no code with the repair counts, and blocked paths,
+/// by name. With a gap, what nothing intersects is set apart. `progress` is called after each iteration, with how many
+/// there were, the intersections, the length of the paths and the method; it ends the work where it returns `False` or
+/// raises.
 #[pyfunction]
 pub(crate) fn fix<'py>(
     py: Python<'py>,
@@ -116,22 +138,17 @@ pub(crate) fn fix<'py>(
     quality: &str,
     max_iterations: usize,
     single_precision: bool,
+    gap_m: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let effort = match quality {
-        "fast" => Effort::Fast,
-        "balanced" => Effort::Balanced,
-        "accurate" => Effort::Accurate,
-        other => {
-            let message = format!("quality must be one of fast, balanced, accurate, not '{other}'");
-            return Err(PyValueError::new_err(message));
-        }
-    };
+    let effort = effort(quality)?;
+    if gap_m.is_some_and(|gap_m| !(gap_m.is_finite() && gap_m > 0.0)) {
+        return Err(PyValueError::new_err("gap must be a positive number of metres"));
+    }
     let (mesh, positions) = cloth.read()?;
-    let triangles: Vec<[u32; 3]> = u32s("triangles", &cloth.triangles)?;
     let settings = RelaxSettings { effort, max_iterations, single_precision };
     let mut raised = None;
-    let (relaxed, left) = py.detach(|| {
+    let (repaired, verdict) = py.detach(|| {
         let mut num_iterations = 0;
         let mut report = |iteration: &Iteration| {
             num_iterations += 1;
@@ -143,24 +160,52 @@ pub(crate) fn fix<'py>(
                 }
             }
         };
-        let relaxed = relax(&mesh, &positions, &settings, &mut report)
+        let repaired = Repaired::of(&mesh, &positions, &settings, gap_m, &mut report)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let left = count_edge_face(&relaxed.positions, &triangles)
+        let verdict = Verdict::of(&mesh, &repaired.positions, gap_m)
             .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-        Ok::<_, PyErr>((relaxed, left))
+        Ok::<_, PyErr>((repaired, verdict))
     })?;
     if let Some(error) = raised {
         return Err(error);
     }
+    described(py, &mesh, repaired, verdict)
+}
+
+/// The effort of a name.
+fn effort(quality: &str) -> PyResult<Effort> {
+    match quality {
+        "fast" => Ok(Effort::Fast),
+        "balanced" => Ok(Effort::Balanced),
+        "accurate" => Ok(Effort::Accurate),
+        other => {
+            let message = format!("quality must be one of fast, balanced, accurate, not '{other}'");
+            Err(PyValueError::new_err(message))
+        }
+    }
+}
+
+/// A repaired state as Python reads it.
+fn described<'py>(py: Python<'py>, mesh: &Mesh, repaired: Repaired, verdict: Verdict) -> PyResult<Bound<'py, PyDict>> {
+    let frame = Frame::new(mesh, &repaired.positions).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let [_, behind] = py.detach(|| wrong_vertices(mesh, &frame));
     let result = PyDict::new(py);
-    result.set_item("vertices", PyByteArray::new(py, &of_f64s(relaxed.positions.into_iter().flatten())))?;
-    result.set_item("num_edge_face_intersections", left)?;
-    result.set_item("num_iterations", relaxed.history.len())?;
+    result.set_item("vertices", PyByteArray::new(py, &of_f64s(repaired.positions.into_iter().flatten())))?;
+    result.set_item("num_edge_face_intersections", verdict.num_edge_face)?;
+    result.set_item("num_inside_body", verdict.num_inside)?;
+    result.set_item("num_behind", behind.len())?;
+    result.set_item("num_pairs_below", verdict.num_pairs_below)?;
+    result.set_item("num_iterations", repaired.num_iterations)?;
     let blocked = PyList::empty(py);
-    for path in relaxed.blocked {
+    for path in repaired.blocked {
         blocked.append((path.pair_type.name(), path.vertex, path.length_m, path.reason))?;
     }
     result.set_item("blocked", blocked)?;
+    let infeasible = PyList::empty(py);
+    for place in repaired.infeasible {
+        infeasible.append((place.vertices, place.num_pairs, place.distance_m, place.obstacle.to_string()))?;
+    }
+    result.set_item("infeasible", infeasible)?;
     Ok(result)
 }
 
@@ -178,9 +223,11 @@ fn reported(progress: Option<&Py<PyAny>>, num_iterations: usize, state: &Iterati
     })
 }
 
-/// Edges that pierce a face, by a check that shares no code with the untangler.
+/// Edges that pierce a face, by a check that shares no code with the untangler; not those of two faces of bodies.
 #[pyfunction]
-pub(crate) fn count_intersections(py: Python<'_>, vertices: &[u8], triangles: &[u8]) -> PyResult<usize> {
+pub(crate) fn count_intersections(py: Python<'_>, vertices: &[u8], triangles: &[u8], body: &[u8]) -> PyResult<usize> {
     let (positions, triangles) = (f64s("vertices", vertices)?, u32s("triangles", triangles)?);
-    py.detach(|| count_edge_face(&positions, &triangles)).map_err(|error| PyValueError::new_err(error.to_string()))
+    let body = u32s::<1>("body", body)?.into_flattened();
+    py.detach(|| count_edge_face(&positions, &triangles, &body))
+        .map_err(|error| PyValueError::new_err(error.to_string()))
 }

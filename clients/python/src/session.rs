@@ -39,7 +39,7 @@ impl NativeSession {
     #[new]
     #[pyo3(signature = (
         domain, timeout_s, num_vertices, triangles, uvs, uv_corners, rest_positions, masses, pins, layers, body, double,
-        kind, paths, sparse, labels, repairs, settings
+        kind, paths, sparse, labels, repairs, weld, settings
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -61,6 +61,7 @@ impl NativeSession {
         sparse: bool,
         labels: bool,
         repairs: bool,
+        weld: bool,
         settings: &str,
     ) -> PyResult<Self> {
         let uvs = match (uvs, uv_corners) {
@@ -87,6 +88,7 @@ impl NativeSession {
             labels,
             paths,
             repairs,
+            weld,
             settings: parse(settings)?,
         };
         let timeout = seconds(timeout_s)?;
@@ -233,6 +235,12 @@ impl NativeSession {
     #[getter]
     fn num_registrations(&self, py: Python<'_>) -> PyResult<u32> {
         py.detach(|| self.with(|open| Ok(open.session.num_registrations())))
+    }
+
+    /// Vertices that became one with an earlier one in their place.
+    #[getter]
+    fn num_welded_vertices(&self, py: Python<'_>) -> PyResult<usize> {
+        py.detach(|| self.with(|open| Ok(open.session.num_welded_vertices())))
     }
 
     /// Whether corrections come sparse.

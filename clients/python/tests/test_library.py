@@ -63,6 +63,49 @@ def test_fix_does_not_move_pins(sheets):
     assert np.array_equal(result.vertices[pins], sheets.vertices[pins])
 
 
+def box(low, high):
+    corners = np.array([[x, y, z] for x in (low, high) for y in (low, high) for z in (low, high)], float)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
+
+
+def test_fix_beside_a_body_ends_outside_of_it_with_the_gap():
+    corners, faces = box(-0.6, 0.6)
+    steps = np.linspace(-0.4, 0.4, 9)
+    sheet = np.array([[x, y, 0.55] for x in steps for y in steps])
+    squares = [(9 * i + k, 9 * i + k + 1, 9 * i + k + 10, 9 * i + k + 9) for i in range(8) for k in range(8)]
+    cloth = np.array([face for a, b, c, d in squares for face in ((a, b, c), (a, c, d))])
+    vertices = np.vstack([corners, sheet])
+    triangles = np.vstack([faces, cloth + len(corners)])
+    body = np.arange(len(corners))
+    found = untangled.analyse(vertices, triangles, body=body)
+    assert found.inside_body.tolist() == list(range(8, len(vertices))) and found.behind.size == 0
+    assert found.num_intersections == 0
+    result = untangled.fix(vertices, triangles, body=body, gap=0.01)
+    assert result.clean and result.num_inside_body == 0 and result.num_pairs_below == 0 and result.infeasible == []
+    assert np.array_equal(result.vertices[body], corners) and result.vertices[8:, 2].min() >= 0.61 - 1e-9
+    # Nothing says that it is a body: the sheet is clean in it.
+    assert untangled.fix(vertices, triangles).num_iterations == 0
+    # All pinned, it stays, and says so.
+    held = untangled.fix(vertices, triangles, body=body, pins=np.arange(8, len(vertices)))
+    assert not held.clean and held.num_inside_body == len(sheet)
+    with pytest.raises(ValueError, match="gap"):
+        untangled.fix(vertices, triangles, gap=0)
+
+
+def test_layers_behind_each_other_are_found_and_put_in_order():
+    def sheet(z):
+        return np.array([[x, y, z] for x in np.linspace(0, 1, 9) for y in np.linspace(0, 1, 9)])
+
+    squares = [(9 * i + k, 9 * i + k + 9, 9 * i + k + 10, 9 * i + k + 1) for i in range(8) for k in range(8)]
+    faces = np.array([face for a, b, c, d in squares for face in ((a, b, c), (a, c, d))])
+    vertices, triangles = np.vstack([sheet(0), sheet(-0.02)]), np.vstack([faces, faces + 81])
+    layers = np.repeat([0, 1], 81)
+    assert len(untangled.analyse(vertices, triangles, layers=layers).behind) > 40
+    result = untangled.fix(vertices, triangles, layers=layers)
+    assert result.clean and result.num_behind == 0
+
+
 def test_bad_input_raises_error_naming_the_element(crossed):
     bad = crossed.vertices.copy()
     bad[3, 2] = np.inf

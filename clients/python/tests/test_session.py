@@ -37,6 +37,24 @@ def test_vertices_of_a_body_get_no_corrections_and_a_mixed_triangle_is_refused(c
         open_session(crossed, domain, body=[3, 4])
 
 
+def test_vertices_in_one_place_at_rest_are_one_where_weld_asks_for_it(domain):
+    rest = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
+    triangles = [[0, 1, 2], [3, 4, 5]]
+    folded = rest.copy()
+    folded[4] = 1, 1, 1
+    for weld in (False, True):
+        session = untangled.Session(triangles, rest_positions=rest, weld=weld, domain=domain, timeout=DEADLINE)
+        with session:
+            assert session.num_welded_vertices == (2 if weld else 0) and session.num_vertices == 6
+            assert not weld or session.exchange(folded, deadline=DEADLINE).num_intersections == 0
+            if weld:
+                folded[3, 2] = 1
+                with pytest.raises(untangled.FrameRefused, match="vertex 3"):
+                    session.exchange(folded, deadline=DEADLINE)
+    with pytest.raises(untangled.Refused, match="rest positions"):
+        untangled.Session(triangles, weld=True, domain=domain, timeout=DEADLINE)
+
+
 def test_displacements_applied_each_step_end_clean(sheets, domain):
     positions = sheets.vertices.copy()
     with open_session(sheets, domain) as session:

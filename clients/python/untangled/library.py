@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
@@ -47,6 +47,10 @@ class Analysis:
     """Whether each vertex is inside, `num_vertices` of bool."""
     paths: List[FoundPath]
     """Intersection paths."""
+    inside_body: NDArray[np.uint32]
+    """Vertices of cloth inside of a body, ascending."""
+    behind: NDArray[np.uint32]
+    """Vertices behind a layer that lies further in, ascending."""
 
     @property
     def num_intersections(self) -> int:
@@ -65,7 +69,7 @@ class Progress:
     contour_length: float
     """Length of all paths in metres."""
     method: str
-    """What moved the cloth: rbf, push, contour, straighten or settle."""
+    """What moved the cloth: rbf, push, contour, straighten, settle or gap."""
 
 
 @dataclass(frozen=True)
@@ -81,18 +85,26 @@ class Fix:
     """Iterations that it took."""
     blocked: List[Tuple[str, int, float, str]]
     """Paths that remain: type, a vertex beside the path, length in metres, reason."""
+    num_inside_body: int = 0
+    """Vertices of cloth inside of a body in `vertices`, by the same check."""
+    num_behind: int = 0
+    """Vertices behind a layer that lies further in."""
+    num_pairs_below: Optional[int] = None
+    """Pairs of primitives nearer than the gap that was asked for, by the same check; None without one."""
+    infeasible: List[Tuple[List[int], int, float, str]] = field(default_factory=list)
+    """Where pairs stayed nearer than the gap: vertices, number of pairs, least distance in metres, reason."""
 
     @property
     def clean(self) -> bool:
-        """Whether nothing intersects."""
-        return self.num_intersections == 0
+        """Whether nothing intersects, is on the wrong side of a body or a layer, or nearer than the gap."""
+        return not (self.num_intersections or self.num_inside_body or self.num_behind or self.num_pairs_below)
 
 
 def _mesh(
-    vertices: Any, triangles: Any, uv: Any, uv_triangles: Any, rest: Any, pins: Any, layers: Any
+    vertices: Any, triangles: Any, uv: Any, uv_triangles: Any, rest: Any, pins: Any, layers: Any, body: Any
 ) -> Dict[str, Any]:
     positions = _arrays.numbers("vertices", vertices, 3)
-    cloth = _arrays.cloth(len(positions), triangles, uv, uv_triangles, rest, pins, layers)
+    cloth = _arrays.cloth(len(positions), triangles, uv, uv_triangles, rest, pins, layers, body)
     return {"vertices": positions.tobytes(), **cloth}
 
 
@@ -105,6 +117,7 @@ def analyse(
     rest_positions: Optional[ArrayLike] = None,
     pins: Optional[ArrayLike] = None,
     layers: Optional[ArrayLike] = None,
+    body: Optional[ArrayLike] = None,
     settings: Optional[Mapping[str, Any]] = None,
 ) -> Analysis:
     """What intersects in one state, by exact signs. For the arguments see :class:`untangled.Session`.
@@ -112,7 +125,7 @@ def analyse(
     Raises:
         ValueError: the mesh, a position or a setting can't be used; the message names the element at fault.
     """
-    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
+    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers, body)
     found = _native.analyse(mesh, _arrays.document(settings))
     paths = [
         FoundPath(
@@ -133,16 +146,22 @@ def analyse(
         contour_length=found["contour_length_m"],
         inside=np.frombuffer(found["inside"], np.bool_),
         paths=paths,
+        inside_body=np.frombuffer(found["inside_body"], np.uint32),
+        behind=np.frombuffer(found["behind"], np.uint32),
     )
 
 
-def count_intersections(vertices: ArrayLike, triangles: ArrayLike) -> int:
+def count_intersections(vertices: ArrayLike, triangles: ArrayLike, body: Optional[ArrayLike] = None) -> int:
     """Number of edges that pierce a face, by an exact check that shares no code with the untangler.
+
+    Those of bodies with each other, whose vertices are `body`, are not counted.
 
     It judges results of the untangler. Slower than :func:`analyse`.
     """
     positions = _arrays.numbers("vertices", vertices, 3)
-    return _native.count_intersections(positions.tobytes(), _arrays.indices("triangles", triangles, 3).tobytes())
+    faces = _arrays.indices("triangles", triangles, 3)
+    fixed = b"" if body is None else _arrays.indices("body", body, 1).tobytes()
+    return _native.count_intersections(positions.tobytes(), faces.tobytes(), fixed)
 
 
 def fix(
@@ -154,12 +173,17 @@ def fix(
     rest_positions: Optional[ArrayLike] = None,
     pins: Optional[ArrayLike] = None,
     layers: Optional[ArrayLike] = None,
+    body: Optional[ArrayLike] = None,
+    gap: Optional[float] = None,
     quality: str = "balanced",
     max_iterations: int = 100,
     single_precision: bool = False,
     progress: Optional[Callable[[Progress], Optional[bool]]] = None,
 ) -> Fix:
     """Moves vertices as little as possible until nothing intersects. For the arguments see :class:`untangled.Session`.
+
+    Cloth is brought out of bodies, and layers into their order. With a `gap` in metres, primitives without a common
+    vertex are then set apart by at least that; what can't be is in `infeasible`.
 
     `single_precision` rounds every state to float32, so that `vertices.astype(numpy.float32)` is what was checked.
     `progress` is called after each iteration. Where it returns False, the best state so far is the result; what it
@@ -168,12 +192,16 @@ def fix(
     Raises:
         ValueError: the mesh or a position can't be used. KeyboardInterrupt: between two iterations.
     """
-    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers)
+    mesh = _mesh(vertices, triangles, uv, uv_triangles, rest_positions, pins, layers, body)
     report = None if progress is None else (lambda *state: progress(Progress(*state)))
-    result = _native.fix(mesh, quality, max_iterations, single_precision, report)
+    result = _native.fix(mesh, quality, max_iterations, single_precision, gap, report)
     return Fix(
         vertices=np.frombuffer(result["vertices"], np.float64).reshape(-1, 3),
         num_intersections=result["num_edge_face_intersections"],
         num_iterations=result["num_iterations"],
         blocked=list(result["blocked"]),
+        num_inside_body=result["num_inside_body"],
+        num_behind=result["num_behind"],
+        num_pairs_below=result["num_pairs_below"],
+        infeasible=list(result["infeasible"]),
     )

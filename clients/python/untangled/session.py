@@ -46,6 +46,9 @@ class Session:
             untangled frame then costs nothing for each vertex. They read the same either way.
         labels: whether corrections have labels, by which :class:`untangled.ContactFilter` says of single contacts
             whether they have to be off; makes them sparse as well.
+        weld: whether vertices with exactly one place in `rest_positions` are one along seams, for meshes that were
+            split for texture coordinates or normals; see :attr:`num_welded_vertices`. They have to be in one place in
+            each state, and corrections keep them there.
         settings: by name, as in `untangled config`, section `settings`; besides, `quality`. Numbers of numpy are
             taken for what they are.
         dt: length of a step in seconds, where a call does not say another; 1e-9 to 1e9.
@@ -72,6 +75,7 @@ class Session:
         repairs: bool = False,
         sparse: bool = False,
         labels: bool = False,
+        weld: bool = False,
         settings: Optional[Mapping[str, Any]] = None,
         dt: float = 1 / 60,
         domain: Optional[str] = None,
@@ -110,6 +114,7 @@ class Session:
             repairs=repairs,
             sparse=sparse,
             labels=labels,
+            weld=weld,
             settings=_arrays.document(settings),
             **cloth,  # type: ignore[arg-type]
         )
@@ -274,6 +279,11 @@ class Session:
     def last_frame(self) -> int:
         """Number of the last frame that was published; 0 before the first."""
         return self._native.frame
+
+    @property
+    def num_welded_vertices(self) -> int:
+        """Vertices that became one with an earlier one in their place, where `weld` asked for that; else 0."""
+        return self._native.num_welded_vertices
 
     @property
     def is_sparse(self) -> bool:

@@ -43,6 +43,13 @@ pub struct Registration {
     /// memory for four frames more. Without a daemon that knows repairs there are none: see
     /// [`Session::has_repairs`](crate::Session::has_repairs).
     pub repairs: bool,
+    /// Whether vertices with exactly one place in `rest_positions` are one along seams, for meshes that were split for
+    /// texture coordinates or normals. Ids stay; vertices that are one have to be in one place in each state, get
+    /// corrections that keep them there, and share what is a force by their masses. What is welded is decided as for
+    /// files by `untangled fix`. A daemon that does not know it is an error of
+    /// [`Client::register`](crate::Client::register). See
+    /// [`Session::num_welded_vertices`](crate::Session::num_welded_vertices).
+    pub weld: bool,
     /// Settings by name, as in `untangled config`; `null` or an empty object for the daemon's defaults.
     pub settings: serde_json::Value,
 }
@@ -101,6 +108,7 @@ impl Registration {
             (self.sparse, SessionOptions::SPARSE),
             (self.labels, SessionOptions::LABELS),
             (self.repairs, SessionOptions::REPAIR),
+            (self.weld, SessionOptions::WELD),
         ];
         let asked = asked.into_iter().filter(|(is_asked, _)| *is_asked);
         asked.fold(SessionOptions::default(), |options, (_, option)| options.with(option))

@@ -10,11 +10,13 @@
 //!   [`fan_crossings`] asks that of all the ways in which a reader may split polygons into triangles. What a body
 //!   crosses of itself is left out.
 //! - [`vertices_inside`]: which vertices of a cloth are inside of a body.
+//! - [`vertices_behind`]: which vertices of a layer are behind one that lies further in; by rounded numbers.
 //! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they
 //!   are not.
 //!
 //! Pairs come from a tree of boxes, whose comparisons are exact too.
 
+mod behind;
 mod crossing;
 mod distance;
 mod fans;
@@ -29,6 +31,7 @@ mod tree;
 
 use thiserror::Error;
 
+pub use behind::vertices_behind;
 pub use distance::{NearPairs, near_pairs};
 pub use fans::{fan_crossings, polygon_crossings};
 pub use inside::vertices_inside;

@@ -18,7 +18,7 @@ pub fn read_registration(
     let sections = parse(payload, num_sections)?;
     let registered = requests::registration::read(&sections, options, PayloadLayout::Packed, 0)
         .map_err(|refusal| refusal.message)?;
-    Ok((registered.mesh, registered.settings))
+    Ok((Arc::clone(registered.cloth.mesh()), registered.settings))
 }
 
 /// A settings request as the daemon reads it.

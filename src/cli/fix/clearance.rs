@@ -14,7 +14,7 @@ use crate::cli::{
 use super::{
     error::FixError,
     plan::check_movable,
-    repair::{Repair, Repaired, Store, Written},
+    repair::{Repair, Repaired, Store, Written, rank},
     terminal::{Interrupt, Progress},
 };
 
@@ -32,8 +32,8 @@ pub(in crate::cli) struct Clearing<'a> {
 }
 
 impl Clearing<'_> {
-    /// Opens the gap of a state that is clean; of another one it only counts. Gives back the state, and its distances
-    /// if a gap was asked for.
+    /// Opens the gap of a state, but beside what is left tangled. Gives back the state, and its distances if a gap was
+    /// asked for.
     pub(in crate::cli) fn run(
         &self,
         mut repaired: Repaired,
@@ -72,7 +72,7 @@ impl Clearing<'_> {
         for _ in 0..MOST_ROUNDS {
             let max_iterations = self.repair.settings.max_iterations.saturating_sub(repaired.history.len());
             let is_over = repaired.time_limit_reached || max_iterations == 0;
-            if certificate.is_kept() || is_over || !repaired.written.counts.is_certified() {
+            if certificate.is_kept() || is_over {
                 break;
             }
             if let Store::Files(jobs) = self.repair.store {
@@ -87,7 +87,7 @@ impl Clearing<'_> {
             if places.is_empty() || next.total() < certificate.total() {
                 places = clearance.infeasible;
             }
-            if !written.counts.is_certified() || next.total() >= certificate.total() {
+            if rank(&written.counts) > rank(&repaired.written.counts) || next.total() >= certificate.total() {
                 break;
             }
             (repaired.written, certificate) = (written, next);

@@ -9,7 +9,6 @@ use std::{
 use untangle::{
     frame::Frame,
     intersect::SearchLimits,
-    mesh::Mesh,
     settings::{Repair, Settings},
 };
 use untangled_proto::{
@@ -25,13 +24,13 @@ use super::{
     requests::{Counts, Request, State, Totals},
     solve::{Task, solve},
 };
-use crate::service::{pool::Job, throttle::Throttle};
+use crate::service::{pool::Job, session::Cloth, throttle::Throttle};
 
 /// The repairs of one session. What is in work ends when the last strong reference, which the session has, is gone.
 #[derive(Debug)]
 pub(crate) struct RepairDesk {
     session: u64,
-    mesh: Arc<Mesh>,
+    cloth: Arc<Cloth>,
     precision: Precision,
     port: RepairPort,
     state: Mutex<State>,
@@ -46,12 +45,12 @@ pub(crate) struct RepairJob(Weak<RepairDesk>);
 impl RepairDesk {
     pub(crate) fn new(
         session: u64,
-        mesh: Arc<Mesh>,
+        cloth: Arc<Cloth>,
         precision: Precision,
         port: RepairPort,
         totals: Arc<Totals>,
     ) -> Self {
-        Self { session, mesh, precision, port, state: Mutex::default(), totals }
+        Self { session, cloth, precision, port, state: Mutex::default(), totals }
     }
 
     /// Whether a frame is to be repaired: where its state asks for it, or the settings do. Fills in what its correction
@@ -100,7 +99,7 @@ impl RepairDesk {
             frame: state.frame,
             simulated_s: state.simulated_s,
             positions: frame.positions().iter().map(|point| (*point).into()).collect(),
-            limits: SearchLimits::new(settings, self.mesh.num_faces()),
+            limits: SearchLimits::new(settings, self.cloth.mesh().num_faces()),
             time: time_us.or(settings.repair_deadline_us).map(Duration::from_micros),
             asked: Instant::now(),
         };
@@ -130,7 +129,7 @@ impl RepairDesk {
     }
 
     fn send(&self, header: &mut RepairHeader, displacements: &[[f64; 3]]) {
-        header.num_vertices = u32::try_from(self.mesh.num_vertices()).unwrap_or(u32::MAX);
+        header.num_vertices = u32::try_from(self.cloth.num_vertices()).unwrap_or(u32::MAX);
         {
             // Before it is sent, so that a host that has the repair finds it counted.
             let counts = &mut self.state().counts;
@@ -169,13 +168,13 @@ impl Job for RepairJob {
 
     fn run(self) -> Option<Self> {
         let Self(desk) = &self;
-        let (request, mesh, precision, session) = {
+        let (request, cloth, precision, session) = {
             let desk = desk.upgrade()?;
             let request = desk.state().begin();
-            (request, Arc::clone(&desk.mesh), desk.precision, desk.session)
+            (request, Arc::clone(&desk.cloth), desk.precision, desk.session)
         };
         if let Some(request) = request {
-            let (mut header, displacements) = answer(&request, &mesh, precision, session, desk);
+            let (mut header, displacements) = answer(&request, &cloth, precision, session, desk);
             let desk = desk.upgrade()?;
             desk.state().is_working = false;
             desk.send(&mut header, &displacements);
@@ -207,7 +206,7 @@ fn refused(header: &CorrectionHeader) -> RepairHeader {
 /// Works on a request until its time is up or the session has ended.
 fn answer(
     request: &Request,
-    mesh: &Mesh,
+    cloth: &Cloth,
     precision: Precision,
     session: u64,
     desk: &Weak<RepairDesk>,
@@ -217,8 +216,9 @@ fn answer(
     let begin = Instant::now();
     let deadline = request.time.and_then(|time| request.asked.checked_add(time));
     let should_stop = || desk.strong_count() == 0 || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-    let task = Task { mesh, positions: &request.positions, precision, limits: request.limits };
+    let task = Task { mesh: cloth.mesh(), positions: &request.positions, precision, limits: request.limits };
     let (mut header, displacements) = guarded(|| solve(&task, &should_stop));
+    let displacements = for_host(cloth, &mut header, displacements);
     if header.status == Status::OutOfTime.code() {
         #[expect(clippy::cast_precision_loss, reason = "only for messages")]
         let limit_us = request.time.map_or(0, |time| time.as_micros()) as f64;
@@ -228,6 +228,21 @@ fn answer(
     header.waited_ns = nanoseconds(begin.saturating_duration_since(request.asked));
     header.repair_ns = nanoseconds(begin.elapsed());
     (header, displacements)
+}
+
+/// The displacements of the host's vertices, of which the header counts those that move: what is one in the mesh moves
+/// as one.
+fn for_host(cloth: &Cloth, header: &mut RepairHeader, displacements: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    if cloth.weld().is_none() || displacements.is_empty() {
+        return displacements;
+    }
+    let displacement = |vertex| displacements[cloth.mesh_vertex(vertex).index()];
+    let of_host: Vec<[f64; 3]> = (0..cloth.num_vertices()).map(displacement).collect();
+    let lengths = of_host.iter().map(|step| step.iter().map(|value| value * value).sum::<f64>().sqrt());
+    let moved: Vec<f64> = lengths.filter(|&length| length > 0.0).collect();
+    header.num_moved = u32::try_from(moved.len()).unwrap_or(u32::MAX);
+    header.mean_displacement_m = moved.iter().sum::<f64>() / f64::from(header.num_moved.max(1));
+    of_host
 }
 
 /// A defect that one frame brings out costs this repair only.

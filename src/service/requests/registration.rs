@@ -9,7 +9,7 @@ use untangled_proto::{
 use untangled_transport::memory as shared_memory;
 
 use untangle::{
-    mesh::{Mesh, MeshDescription, Uvs},
+    mesh::{MeshDescription, Uvs},
     settings::{Quality, Repair, Settings},
 };
 
@@ -18,7 +18,7 @@ use crate::{
     service::{
         error::Refusal,
         options::ServeOptions,
-        session::{Registered, memory_bytes},
+        session::{Cloth, Registered, memory_bytes},
     },
 };
 
@@ -80,8 +80,20 @@ pub fn read(
         let message = "settings: repair: this session can't receive repairs; ask for them (section 10, option 4)";
         return Err(Refusal::new(Status::BadSettings, message));
     }
-    let mesh = Mesh::new(description(sections, num_vertices)?).map_err(|error| Refusal::new(Status::BadMesh, error))?;
-    Ok(Registered { mesh: Arc::new(mesh), settings, precision, correction, layout, options: asked })
+    let cloth = Arc::new(cloth(description(sections, num_vertices)?, asked)?);
+    Ok(Registered { cloth, settings, precision, correction, layout, options: asked })
+}
+
+/// The cloth of a description, welded where that is asked for.
+fn cloth(description: MeshDescription, asked: SessionOptions) -> Result<Cloth, Refusal> {
+    if !asked.is_welded() {
+        return Cloth::new(description).map_err(|error| Refusal::new(Status::BadMesh, error));
+    }
+    let Some(rest) = &description.rest_positions else {
+        let message = "vertices are welded by their rest positions (section 10, option 8): send them (section 5)";
+        return Err(Refusal::new(Status::BadRequest, message));
+    };
+    Cloth::welded(&description, rest).map_err(|error| Refusal::new(Status::BadMesh, error))
 }
 
 /// What a session asks for beyond what protocol 1 began with.

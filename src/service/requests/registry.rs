@@ -19,7 +19,7 @@ use crate::service::{
     error::Refusal,
     options::ServeOptions,
     repair::{Counts, RepairWorkers},
-    session::{Session, Shared, Totals},
+    session::{Cloth, Session, Shared, Totals},
     throttle::Throttle,
 };
 
@@ -115,13 +115,13 @@ impl Registry {
         Ok(())
     }
 
-    /// Opens a session. Gives back its id, and the number of its vertices that belong to bodies.
+    /// Opens a session. Gives back its id, and its cloth.
     pub(crate) fn register(
         &self,
         sections: &Sections<'_>,
         layout: PayloadLayout,
         client: Option<ProcessId>,
-    ) -> Result<(u64, u64), Refusal> {
+    ) -> Result<(u64, Arc<Cloth>), Refusal> {
         static REGISTERED: Throttle = Throttle::new();
         let _place = self.take_place(client)?;
         let promised = self.sessions().iter().map(|session| session.promised_bytes()).sum();
@@ -132,16 +132,15 @@ impl Registry {
         if let Some(num_suppressed) = REGISTERED.admit() {
             tracing::info!(
                 session = id,
-                num_vertices = session.mesh().num_vertices(),
-                num_faces = session.mesh().num_faces(),
+                num_vertices = session.cloth().num_vertices(),
+                num_faces = session.cloth().mesh().num_faces(),
                 num_suppressed,
                 "session registered"
             );
         }
-        let mesh = session.mesh();
-        let num_body_vertices = mesh.vertex_ids().filter(|&vertex| mesh.is_body(vertex)).count() as u64;
+        let cloth = Arc::clone(session.cloth());
         self.sessions().push(Arc::new(session));
-        Ok((id, num_body_vertices))
+        Ok((id, cloth))
     }
 
     /// A place for one more session, while it is being registered.

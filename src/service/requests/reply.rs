@@ -30,6 +30,7 @@ pub(crate) const REPLY_BYTES: usize = 2048;
 struct Answer {
     session: u64,
     num_body_vertices: u64,
+    num_places: u64,
     text: String,
 }
 
@@ -99,9 +100,10 @@ impl Replier {
         layout: PayloadLayout,
     ) -> Result<Answer, Refusal> {
         let client = ProcessId::of(request.origin().value());
-        let (session, num_body_vertices) =
-            self.registry.register(&sections(header, request.payload())?, layout, client)?;
-        Ok(Answer { session, num_body_vertices, text: String::new() })
+        let (session, cloth) = self.registry.register(&sections(header, request.payload())?, layout, client)?;
+        let num_body_vertices = cloth.num_body_vertices() as u64;
+        let num_places = cloth.weld().map_or(0, |_| cloth.mesh().num_vertices() as u64);
+        Ok(Answer { session, num_body_vertices, num_places, text: String::new() })
     }
 
     fn reply(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout, answer: Result<Answer, Refusal>) {
@@ -133,7 +135,7 @@ impl Replier {
             Ok(answer) => (Status::Ok, answer),
             Err(refusal) => (refusal.status, Answer { text: refusal.message, ..Answer::default() }),
         };
-        let Answer { session, num_body_vertices, text } = answer;
+        let Answer { session, num_body_vertices, num_places, text } = answer;
         check_room(text.len(), layout)?;
         let mut reply =
             request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
@@ -144,6 +146,7 @@ impl Replier {
             session,
             token,
             num_body_vertices,
+            num_places,
             ..ReplyHeader::default()
         };
         let reply = reply.write_from_slice(text.as_bytes());

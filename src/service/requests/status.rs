@@ -9,6 +9,7 @@ use std::{
 };
 
 use serde::Serialize;
+use untangle::weld::Weld;
 use untangled_proto::{
     CorrectionKind, ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, Precision, correction::stage,
 };
@@ -49,6 +50,9 @@ pub(crate) struct SessionReport {
     pub(crate) session: u64,
     pub(crate) num_vertices: usize,
     pub(crate) num_faces: usize,
+    /// Vertices that became one with an earlier one in their place; only for sessions that asked for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    num_welded_vertices: Option<usize>,
     precision: Precision,
     correction: CorrectionKind,
     pub(crate) num_frames: u64,
@@ -100,8 +104,9 @@ fn session_report(session: &Arc<Session>) -> SessionReport {
     let last = statistics.last.unwrap_or_default();
     SessionReport {
         session: session.id(),
-        num_vertices: session.mesh().num_vertices(),
-        num_faces: session.mesh().num_faces(),
+        num_vertices: session.cloth().num_vertices(),
+        num_faces: session.cloth().mesh().num_faces(),
+        num_welded_vertices: session.cloth().weld().map(Weld::num_merged),
         precision: session.precision(),
         correction: session.correction(),
         num_frames: statistics.num_frames,

@@ -4,7 +4,8 @@ use untangled_proto::{PositionF32, PositionF64, StateHeader, Status, correction:
 
 use untangle::{
     frame::{Frame, FrameError},
-    mesh::Mesh,
+    mesh::{Mesh, VertexId},
+    weld::Weld,
 };
 
 /// Why a state can't be used: the status and the fault of its correction.
@@ -52,6 +53,49 @@ pub fn read_f32(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF32]) -> Re
 /// As [`read_f32`].
 pub fn read_f64(frame: &mut Frame, mesh: &Mesh, positions: &[PositionF64]) -> Result<(), StateFault> {
     frame.set(mesh, positions.iter().map(|position| read_once(position).0)).map_err(fault)
+}
+
+/// Copies positions of the host into `frame`, those of welded vertices once. `copied` is memory for them.
+///
+/// # Errors
+/// As [`read_f32`]; also [`Status::BadPosition`] for a vertex that is not where another one is with which it was
+/// welded.
+pub(crate) fn read_welded<P: Copy, T: Copy + Into<f64>>(
+    frame: &mut Frame,
+    mesh: &Mesh,
+    weld: &Weld,
+    positions: &[P],
+    coordinates: impl Fn(P) -> [T; 3],
+    copied: &mut Vec<[f64; 3]>,
+) -> Result<(), StateFault> {
+    if positions.len() != weld.num_vertices() {
+        return Err(fault(FrameError::Length { given: positions.len(), expected: weld.num_vertices() }));
+    }
+    copied.clear();
+    copied.extend(positions.iter().map(|position| coordinates(read_once(position)).map(Into::into)));
+    let first = |vertex: VertexId| weld.first(vertex);
+    frame.set(mesh, mesh_positions(mesh, |vertex| copied[first(vertex) as usize])).map_err(|error| {
+        let fault = fault(error);
+        let index = u32::try_from(fault.index).map_or(fault.index, |vertex| first(VertexId(vertex)).into());
+        StateFault { index, ..fault }
+    })?;
+    for (vertex, &position) in (0u32..).zip(&*copied) {
+        let place = copied[first(weld.of(vertex)) as usize];
+        if let Some(axis) = (0..3).find(|&axis| differ(position[axis], place[axis])) {
+            return Err(StateFault { status: Status::BadPosition, index: vertex.into(), value: position[axis] });
+        }
+    }
+    Ok(())
+}
+
+fn mesh_positions(mesh: &Mesh, place: impl Fn(VertexId) -> [f64; 3]) -> impl ExactSizeIterator<Item = [f64; 3]> {
+    (0..u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX)).map(move |vertex| place(VertexId(vertex)))
+}
+
+/// Whether two coordinates are different places; a NaN is.
+#[expect(clippy::float_cmp, reason = "one place is the same place to the bit, but for the sign of zero")]
+fn differ(one: f64, other: f64) -> bool {
+    one.is_nan() || one != other
 }
 
 /// Reads memory that a peer may be writing to.

@@ -12,6 +12,7 @@
 //! work of a session belongs to one worker at a time, and no state is overlooked.
 
 mod clock;
+mod cloth;
 mod estimate;
 pub mod ingest;
 mod paths;
@@ -30,7 +31,7 @@ use std::{
 };
 
 use iceoryx2::prelude::Node;
-use untangle::{mesh::Mesh, settings::Settings, untangler::Untangler};
+use untangle::{settings::Settings, untangler::Untangler};
 use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, correction::stage, memory};
 use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
 
@@ -40,6 +41,7 @@ use super::{
     repair::{Counts, RepairDesk, RepairPort, RepairWorkers},
     throttle::Throttle,
 };
+pub use cloth::Cloth;
 pub use estimate::memory_bytes;
 use paths::PathsPort;
 use ports::{CorrectionPort, StatePort};
@@ -75,7 +77,7 @@ pub(crate) struct Session {
     id: u64,
     /// The process that registered it.
     client: Option<ProcessId>,
-    mesh: Arc<Mesh>,
+    cloth: Arc<Cloth>,
     precision: Precision,
     correction: CorrectionKind,
     layout: PayloadLayout,
@@ -102,13 +104,13 @@ impl Session {
         shared: Shared<'_>,
     ) -> Result<Self, Refusal> {
         let internal = |error: ServeError| Refusal::new(Status::Internal, error);
-        let Registered { mesh, settings, precision, correction, layout, options } = registered;
-        let mut untangler =
-            Untangler::new(Arc::clone(&mesh), settings).map_err(|error| Refusal::new(Status::BadSettings, error))?;
+        let Registered { cloth, settings, precision, correction, layout, options } = registered;
+        let mut untangler = Untangler::new(Arc::clone(cloth.mesh()), settings)
+            .map_err(|error| Refusal::new(Status::BadSettings, error))?;
         untangler.set_labelled(options.has_labels());
         untangler.set_single_precision(precision == Precision::F32);
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
-        let num_vertices = mesh.num_vertices();
+        let num_vertices = cloth.num_vertices();
         let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout, options };
         let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
@@ -117,19 +119,20 @@ impl Session {
                 Refusal::new(Status::Internal, format_args!("starting a thread for repairs: {error}"))
             })?;
             let port = RepairPort::create(node, corrections.event(), &port)?;
-            Some(Arc::new(RepairDesk::new(id, Arc::clone(&mesh), precision, port, Arc::clone(shared.workers.totals()))))
+            let totals = Arc::clone(shared.workers.totals());
+            Some(Arc::new(RepairDesk::new(id, Arc::clone(&cloth), precision, port, totals)))
         } else {
             None
         };
         let asked = repairs.clone().map(|desk| SessionRepairs { desk, workers: Arc::clone(shared.workers) });
-        let work = Work::new(id, correction, Arc::clone(&mesh), untangler, corrections, paths, asked);
+        let work = Work::new(id, correction, Arc::clone(&cloth), untangler, corrections, paths, asked);
         Ok(Self {
             states,
             work: Mutex::new(work),
             repairs,
             id,
             client,
-            mesh,
+            cloth,
             precision,
             correction,
             layout,
@@ -156,8 +159,8 @@ impl Session {
         !self.had_host.load(Ordering::Relaxed)
     }
 
-    pub(crate) fn mesh(&self) -> &Arc<Mesh> {
-        &self.mesh
+    pub(crate) fn cloth(&self) -> &Arc<Cloth> {
+        &self.cloth
     }
 
     pub(crate) fn precision(&self) -> Precision {
@@ -201,13 +204,13 @@ impl Session {
         if self.had_host.load(Ordering::Relaxed) {
             0
         } else {
-            memory::state_segment_bytes(self.mesh.num_vertices(), self.precision, self.layout)
+            memory::state_segment_bytes(self.cloth.num_vertices(), self.precision, self.layout)
         }
     }
 
     /// Whether a frame may take so long that small sessions must not wait for it.
     pub(crate) fn is_large(&self) -> bool {
-        self.mesh.num_faces() > LARGE_FACES || self.last_ns.load(Ordering::Relaxed) > LARGE_NS
+        self.cloth.mesh().num_faces() > LARGE_FACES || self.last_ns.load(Ordering::Relaxed) > LARGE_NS
     }
 
     /// Checks for a new state; whether the session is to be queued. For the one thread that waits for events.

@@ -13,7 +13,7 @@ use untangle::{
     untangler::Outcome,
 };
 
-use super::ingest::StateFault;
+use super::{cloth::Cloth, ingest::StateFault};
 
 const _: () = assert!(
     VertexFlags::INSIDE.0 == flags::INSIDE
@@ -41,15 +41,20 @@ pub(crate) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFau
     }
 }
 
-/// The header for a frame that was worked on; times are filled in last.
-pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcome<'_>) -> CorrectionHeader {
+/// The header for a frame that was worked on; times are filled in last. `num_inside` vertices of the host are flagged
+/// inside.
+pub(crate) fn header(
+    state: &StateHeader,
+    kind: CorrectionKind,
+    outcome: &Outcome<'_>,
+    num_inside: usize,
+) -> CorrectionHeader {
     let Outcome { analysis, corrections, .. } = outcome;
     let mut num_pairs = [0; 16];
     for pair in &analysis.paths.pairs {
         num_pairs[pair_index(pair.pair_type)] += 1;
     }
     let left_out = corrections.left_out;
-    let is_inside = |vertex: &VertexId| corrections.flags[vertex.index()].contains(VertexFlags::INSIDE);
     let per_second2 = 1.0 / (state.dt_s * state.dt_s);
     CorrectionHeader {
         frame: state.frame,
@@ -63,7 +68,7 @@ pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
         num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,
         num_face_pairs: analysis.intersections.segments.len() as u64,
         contour_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
-        num_inside: corrections.touched.iter().filter(|vertex| is_inside(vertex)).count() as u64,
+        num_inside: num_inside as u64,
         max_displacement_m: corrections.max_displacement_m,
         net_force_n: (corrections.net_force * per_second2).into(),
         net_torque_nm: (corrections.net_torque * per_second2).into(),
@@ -74,11 +79,29 @@ pub(crate) fn header(state: &StateHeader, kind: CorrectionKind, outcome: &Outcom
     }
 }
 
-/// What a correction says of the vertices of a frame whose step is `dt_s` seconds.
+/// The host's vertices that a frame says something of, with their memory.
+#[derive(Debug, Default)]
+pub(crate) struct Touched {
+    vertices: Vec<VertexId>,
+    labels: Vec<VertexLabel>,
+}
+
+impl Touched {
+    /// Takes those of a frame; how many of them are flagged inside.
+    pub(crate) fn take(&mut self, cloth: &Cloth, corrections: &Corrections) -> usize {
+        cloth.host_vertices(&corrections.touched, &mut self.vertices);
+        cloth.host_labels(&corrections.labels, &mut self.labels);
+        let flags = |vertex: &VertexId| corrections.flags[cloth.mesh_vertex(vertex.index()).index()];
+        self.vertices.iter().filter(|vertex| flags(vertex).contains(VertexFlags::INSIDE)).count()
+    }
+}
+
+/// What a correction says of the host's vertices for a frame whose step is `dt_s` seconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Values<'a> {
-    pub(crate) mesh: &'a Mesh,
+    pub(crate) cloth: &'a Cloth,
     pub(crate) corrections: &'a Corrections,
+    pub(crate) touched: &'a Touched,
     pub(crate) kind: CorrectionKind,
     pub(crate) dt_s: f64,
 }
@@ -86,23 +109,25 @@ pub(crate) struct Values<'a> {
 impl<'a> Values<'a> {
     /// The vertices that may have a value or a flag other than pinned, ascending.
     pub(crate) fn touched(&self) -> impl ExactSizeIterator<Item = VertexId> + 'a {
-        self.corrections.touched.iter().copied()
+        self.touched.vertices.iter().copied()
     }
 
     /// What is said of a vertex.
     pub(crate) fn vertex(&self, index: usize) -> VertexCorrection {
-        vertex(self.mesh, self.corrections, self.kind, self.dt_s, index)
+        let Self { cloth, corrections, kind, dt_s, .. } = *self;
+        let share = if kind == CorrectionKind::Force { cloth.share(index) } else { 1.0 };
+        shared_vertex(cloth.mesh(), corrections, kind, dt_s, cloth.mesh_vertex(index).index(), share)
     }
 
     /// What is said of a vertex that is not touched.
     pub(crate) fn rest(&self, index: usize) -> VertexCorrection {
-        let is_pinned = self.mesh.is_pinned(VertexId::from_index(index));
+        let is_pinned = self.cloth.mesh().is_pinned(self.cloth.mesh_vertex(index));
         VertexCorrection { value: [0.0; 3], flags: if is_pinned { flags::PINNED } else { 0 } }
     }
 
     /// Labels, ascending by vertex.
     pub(crate) fn labels(&self) -> &'a [VertexLabel] {
-        &self.corrections.labels
+        &self.touched.labels
     }
 }
 
@@ -117,6 +142,18 @@ pub fn vertex(
     dt_s: f64,
     index: usize,
 ) -> VertexCorrection {
+    shared_vertex(mesh, corrections, kind, dt_s, index, 1.0)
+}
+
+/// The value and flags of a vertex that gets a share of its value.
+fn shared_vertex(
+    mesh: &Mesh,
+    corrections: &Corrections,
+    kind: CorrectionKind,
+    dt_s: f64,
+    index: usize,
+    share: f64,
+) -> VertexCorrection {
     let mass_kg = mesh.masses_kg().map_or(1.0, |masses| masses[index]);
     let per_force = match kind {
         CorrectionKind::Force => 1.0 / (dt_s * dt_s),
@@ -127,7 +164,7 @@ pub fn vertex(
         CorrectionKind::Displacement => 1.0 / mass_kg,
     };
     #[expect(clippy::cast_possible_truncation, reason = "the wire carries single precision")]
-    let value: [f32; 3] = (corrections.forces[index] * per_force).map(|value| value as f32).into();
+    let value: [f32; 3] = (corrections.forces[index] * (share * per_force)).map(|value| value as f32).into();
     let flags = corrections.flags[index].0;
     if value.iter().all(|value| value.is_finite()) {
         VertexCorrection { value, flags }

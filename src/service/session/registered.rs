@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use untangle::{mesh::Mesh, settings::Settings};
+use untangle::settings::Settings;
 use untangled_proto::{CorrectionKind, PayloadLayout, Precision, SessionOptions};
+
+use super::cloth::Cloth;
 
 /// The content of a registration, validated.
 #[derive(Debug)]
 pub struct Registered {
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
+    /// The mesh, and the host's vertices.
+    pub cloth: Arc<Cloth>,
     /// Settings of the session: the daemon's, overlaid by the host's.
     pub settings: Settings,
     /// Precision of the positions that the host will publish.

@@ -9,7 +9,6 @@ use std::{
 use untangle::{
     frame::Frame,
     intersect::SearchEnd,
-    mesh::Mesh,
     settings::Settings,
     untangler::{Outcome, Untangler},
 };
@@ -20,10 +19,11 @@ use untangled_proto::{
 
 use super::{
     clock::StageClock,
+    cloth::Cloth,
     ingest::{self, StateFault},
     paths::PathsPort,
     ports::{CorrectionPort, StatePort},
-    publish::{self, Values},
+    publish::{self, Touched, Values},
 };
 use crate::service::{
     repair::{RepairDesk, RepairWorkers},
@@ -41,7 +41,10 @@ pub(crate) struct Work {
     repairs: Option<SessionRepairs>,
     untangler: Untangler,
     frame: Frame,
-    mesh: Arc<Mesh>,
+    /// Positions of the host's vertices, where these are welded.
+    copied: Vec<[f64; 3]>,
+    touched: Touched,
+    cloth: Arc<Cloth>,
     session: u64,
     correction: CorrectionKind,
     num_skipped_frames: u64,
@@ -53,13 +56,13 @@ impl Work {
     pub(crate) fn new(
         session: u64,
         correction: CorrectionKind,
-        mesh: Arc<Mesh>,
+        cloth: Arc<Cloth>,
         untangler: Untangler,
         corrections: CorrectionPort,
         paths: PathsPort,
         repairs: Option<SessionRepairs>,
     ) -> Self {
-        let frame = Frame::default();
+        let (frame, copied, touched) = (Frame::default(), Vec::new(), Touched::default());
         let (num_skipped_frames, last_frame) = (0, None);
         Self {
             corrections,
@@ -67,7 +70,9 @@ impl Work {
             repairs,
             untangler,
             frame,
-            mesh,
+            copied,
+            touched,
+            cloth,
             session,
             correction,
             num_skipped_frames,
@@ -90,7 +95,7 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> Option<CorrectionHeader> {
         let mut clock = StageClock::start(self.untangler.settings().deadline_us.map(Duration::from_micros));
-        let (state, read) = states.read_newest(&mut self.frame, &self.mesh)?;
+        let (state, read) = states.read_newest(&mut self.frame, &self.cloth, &mut self.copied)?;
         let span = tracing::debug_span!("frame", session = self.session, frame = state.frame);
         let _entered = span.enter();
         let header = self.answer(&state, read, &mut clock, record);
@@ -106,21 +111,21 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> CorrectionHeader {
         self.count_skipped(state.frame);
-        let Self { corrections: port, paths, repairs, untangler, frame, mesh, correction: kind, .. } = self;
-        let checked = read.and_then(|()| ingest::check_header(state, mesh.num_vertices()));
+        let Self { corrections: port, paths, repairs, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let checked = read.and_then(|()| ingest::check_header(state, cloth.num_vertices()));
         let settings = untangler.settings().clone();
         let limits = FrameLimits {
-            max_face_pairs: settings.max_face_pairs(mesh.num_faces()),
+            max_face_pairs: settings.max_face_pairs(cloth.mesh().num_faces()),
             deadline_us: settings.deadline_us,
         };
         let outcome = checked.and_then(|()| process_guarded(untangler, frame, clock).ok_or(PANICKED));
         let outcome = outcome.and_then(|outcome| limits.check(outcome));
         clock.begin_index(stage::PUBLISH);
         let mut header = match &outcome {
-            Ok(outcome) => publish::header(state, *kind, outcome),
+            Ok(outcome) => publish::header(state, *kind, outcome, touched.take(cloth, outcome.corrections)),
             Err(fault) => publish::refused(state, *kind, *fault),
         };
-        header.num_vertices = u32::try_from(mesh.num_vertices()).unwrap_or(u32::MAX);
+        header.num_vertices = u32::try_from(cloth.num_vertices()).unwrap_or(u32::MAX);
         header.num_skipped_frames = self.num_skipped_frames;
         let repairs = repairs.as_ref().filter(|repairs| repairs.desk.is_wanted(&settings, state, &mut header));
         // Before the correction, so that a host that has the correction finds its paths.
@@ -128,8 +133,9 @@ impl Work {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
         let values = outcome.as_ref().ok().map(|outcome| Values {
-            mesh,
+            cloth,
             corrections: outcome.corrections,
+            touched,
             kind: *kind,
             dt_s: state.dt_s,
         });
@@ -159,7 +165,7 @@ impl Work {
 
     /// Replaces the untangler after a panic, which may have left its memory inconsistent. Its settings are valid still.
     fn reset(&mut self) {
-        if let Ok(mut fresh) = Untangler::new(Arc::clone(&self.mesh), self.untangler.settings().clone()) {
+        if let Ok(mut fresh) = Untangler::new(Arc::clone(self.cloth.mesh()), self.untangler.settings().clone()) {
             fresh.set_labelled(self.untangler.is_labelled());
             fresh.set_single_precision(self.untangler.is_single_precision());
             self.untangler = fresh;

@@ -149,3 +149,29 @@ fn fix_with_gap_of_tangled_scenes_certifies_one_and_ten_parts_of_a_hundred_of_th
         }
     }
 }
+
+#[test]
+fn fix_with_gap_beside_a_tangle_that_stays_sets_the_rest_apart_and_names_the_tangle() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    // Two pinned squares that cross, far from two sheets that are too close.
+    let pinned = "o fixed\nv 50 0 0\nv 52 0 0\nv 52 2 0\nv 50 2 0\nv 51 -1 -1\nv 51 3 -1\nv 51 3 1\nv 51 -1 1\n\
+                  f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n";
+    fs::write(path.join("fixed.obj"), pinned).unwrap();
+    fs::write(path.join("sheets.obj"), grids(8, 0.0005)).unwrap();
+    fs::write(path.join("pins"), "0 1 2 3 4 5 6 7").unwrap();
+    let arguments = ["fixed.obj", "sheets.obj", "-o", "out", "--json", "--gap", "0.002", "--pin", "pins"];
+    fs::create_dir(path.join("out")).unwrap();
+    let output = fix(&arguments, path);
+    assert_eq!(code(&output), 1);
+    let report = json(&output);
+    let gap = &report["gap"];
+    let before = gap["num_pairs_below_before"].as_u64().unwrap();
+    assert!(gap["num_pairs_below"].as_u64().unwrap() < before.min(20), "{gap}");
+    let places = gap["infeasible"].as_array().unwrap();
+    assert!(!places.is_empty(), "{gap}");
+    for place in places {
+        assert!(place["reason"].as_str().unwrap().contains("tangle"), "{place}");
+        assert_eq!(place["owners"][0]["file"], "fixed.obj", "{place}");
+    }
+}

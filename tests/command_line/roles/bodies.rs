@@ -179,3 +179,23 @@ fn fix_of_a_cloth_pinned_inside_of_a_body_blocks_it_and_finishes_all_else() {
     assert!(reasons.contains(&&"a part of it is pinned inside of a body".into()) || inside == deepest.len() as u64);
     assert!(report["history"].as_array().unwrap().iter().any(|step| step["method"] == "settle"), "{reasons:?}");
 }
+
+#[test]
+fn fix_of_a_ball_that_can_not_leave_the_ball_round_it_ends_early_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "ball.obj", &ball(&[[0.0; 3]], 24));
+    // Its vertices are to go outwards in all directions, to twice its size.
+    let mut inner = Sheet::default();
+    inner.add_ball([0.0; 3], 0.5, 16);
+    write(path, "inner.obj", &inner);
+    let output = fix(&["inner.obj", "--body", "ball.obj", "-o", "out.obj", "--json"], path);
+    assert_eq!(code(&output), 1);
+    let report = json(&output);
+    let num_iterations = report["num_iterations"].as_u64().unwrap();
+    assert!(num_iterations <= 25, "{num_iterations}");
+    let blocked = report["blocked"].as_array().unwrap();
+    assert_eq!(blocked.len(), 1, "{blocked:?}");
+    assert!(blocked[0]["reason"].as_str().unwrap().contains("no motion brought it out of the body"), "{blocked:?}");
+    assert_eq!(report["after"]["num_vertices_inside_body"], inner.positions.len());
+}

@@ -1,8 +1,11 @@
 //! Layers over each other, and over a body.
 
-use untangled_checker::{crossings, vertices_inside};
+use untangled_checker::{crossings, near_pairs, vertices_behind, vertices_inside};
 use untangled_mesh_io::read_mesh;
-use untangled_testkit::generate::Sheet;
+use untangled_testkit::generate::{
+    Sheet,
+    outfits::{Outfit, Pose},
+};
 
 use super::{check, write};
 use crate::mesh_folder::{code, fix, json};
@@ -24,6 +27,22 @@ fn write_outfit(folder: &std::path::Path, around: u32) {
     garment("vest.obj", 0.35, [-0.6, 0.57], around + 4, 0.01);
     garment("jacket.obj", 0.37, [-0.5, 0.65], around + 7, 0.05);
     garment("below.obj", 0.31, [-0.5, 0.65], around + 7, 0.0);
+}
+
+/// Vertices of layers that are behind one of those before them in the list, by the judge.
+fn num_behind(folder: &std::path::Path, files: &[&str], positions: &[[f64; 3]]) -> usize {
+    let mut inner: Vec<Vec<[u32; 3]>> = Vec::new();
+    let (mut first, mut num_behind) = (0, 0);
+    for file in files {
+        let mesh = read_mesh(folder.join(file)).unwrap();
+        let end = first + u32::try_from(mesh.positions().len()).unwrap();
+        for layer in &inner {
+            num_behind += vertices_behind(positions, first..end, layer, 0.1).unwrap().len();
+        }
+        inner.push(mesh.faces().iter().map(|face| face.map(|corner| corner + first)).collect());
+        first = end;
+    }
+    num_behind
 }
 
 #[test]
@@ -60,14 +79,11 @@ fn fix_of_layers_through_each_other_and_of_layers_in_the_wrong_order_puts_them_i
                 let faces: Vec<[u32; 3]> = body.faces().iter().map(|face| face.map(|corner| corner + num)).collect();
                 assert_eq!(vertices_inside(&positions, 0..num, &faces).unwrap(), [0_u32; 0]);
             }
-            // Each vertex of the last layer is farther out than the layer before it is there, but for their chords.
-            let radius = |place: &[f64; 3]| place[0].hypot(place[1]);
-            let sizes: Vec<usize> =
-                files.iter().map(|file| read_mesh(path.join(file)).unwrap().positions().len()).collect();
-            let last = out.positions().len() - sizes[files.len() - 1];
-            let mean = |places: &[[f64; 3]]| places.iter().map(radius).sum::<f64>() / places.len() as f64;
-            let inner = mean(&out.positions()[last - sizes[files.len() - 2]..last]);
-            assert!(mean(&out.positions()[last..]) > inner, "{files:?}");
+            // Their faces point outwards.
+            let before: Vec<[f64; 3]> =
+                files.iter().flat_map(|file| read_mesh(path.join(file)).unwrap().positions().to_vec()).collect();
+            assert!(num_behind(path, files, &before) > 20, "{files:?}");
+            assert_eq!(num_behind(path, files, out.positions()), 0, "{files:?}");
         }
     }
 }
@@ -86,4 +102,43 @@ fn check_with_layers_counts_vertices_behind_and_is_not_clean_with_some() {
     assert_eq!((code, &report["layers"][1]["num_vertices_behind"]), (0, &0.into()));
     let (code, report) = check(&["vest.obj", "below.obj"], path);
     assert_eq!((code, &report["layers"]), (0, &().into()));
+}
+
+#[test]
+fn fix_of_outfits_of_three_layers_on_a_body_in_poses_ends_clean_in_order_and_with_the_gap() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let files = ["shirt.obj", "trousers.obj", "jacket.obj"];
+    for (arms, legs, around) in
+        [([0.6, 0.6], [0.1, 0.1], 28), ([1.5, 0.8], [0.3, 0.05], 28), ([1.1, 0.4], [0.2, 0.0], 40)]
+    {
+        let outfit = Outfit::new(Pose { arms, legs }, around);
+        write(path, "body.obj", &outfit.body);
+        files.iter().zip(&outfit.layers).for_each(|(file, layer)| write(path, file, layer));
+        let before: Vec<[f64; 3]> = outfit.layers.iter().flat_map(|layer| layer.positions.clone()).collect();
+        assert!(num_behind(path, &files, &before) > 20);
+        let mut arguments = files.to_vec();
+        arguments.extend([
+            "--layers",
+            "--body",
+            "body.obj",
+            "--gap",
+            "0.002",
+            "-o",
+            "out.obj",
+            "--json",
+            "--overwrite",
+        ]);
+        let output = fix(&arguments, path);
+        let report = json(&output);
+        assert_eq!(code(&output), 0, "{arms:?}: {} {} {}", report["after"], report["gap"], report["blocked"]);
+        let out = read_mesh(path.join("out.obj")).unwrap();
+        assert_eq!(num_behind(path, &files, out.positions()), 0, "{arms:?}");
+        let (mut positions, mut faces) = (out.positions().to_vec(), out.faces().to_vec());
+        let (num, first_body) = (u32::try_from(positions.len()).unwrap(), faces.len());
+        positions.extend_from_slice(&outfit.body.positions);
+        faces.extend(outfit.body.faces.iter().map(|face| face.map(|corner| corner + num)));
+        assert_eq!(vertices_inside(&positions, 0..num, &faces[first_body..]).unwrap(), [0_u32; 0]);
+        assert_eq!(near_pairs(&positions, &faces, first_body, 0.002).unwrap().total(), 0, "{arms:?}");
+    }
 }

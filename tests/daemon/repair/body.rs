@@ -129,3 +129,18 @@ fn section_that_says_what_is_no_body_is_refused_in_words() {
     let mut session = client.register(all).unwrap();
     assert!(scene.repair(&mut session, Precision::F64).is_certified());
 }
+
+#[test]
+fn sparse_corrections_of_a_session_with_a_body_read_as_dense_ones() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    let scene = Dressed::new(1.01, 0.04);
+    let [dense, sparse] = [false, true].map(|sparse| {
+        let registration = Registration { sparse, ..scene.registration(Precision::F64) };
+        let mut session = client.register(registration).unwrap();
+        session.exchange_f64(STEP, PATIENCE, |slots| slots.copy_from_slice(&scene.all.positions)).unwrap()
+    });
+    assert!(dense.vertices()[0].flags == flags::PINNED && dense.header().num_edge_face_intersections > 0);
+    assert_eq!(dense.vertices(), sparse.vertices());
+}

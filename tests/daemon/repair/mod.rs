@@ -6,3 +6,4 @@ mod cloth;
 mod exchange;
 mod hostile;
 mod side_by_side;
+mod weld;

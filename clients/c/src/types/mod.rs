@@ -74,6 +74,10 @@ pub const UNTANGLED_LABELS: u32 = 2;
 /// Option of a registration: frames may be repaired, see `untangled_exchange_repair`. Takes shared memory for four
 /// frames more.
 pub const UNTANGLED_REPAIRS: u32 = 4;
+/// Option of a registration: vertices with exactly one place in `rest_positions_m` are one along seams, for meshes that
+/// were split for texture coordinates or normals; see `untangled_num_welded_vertices`. They have to be in one place in
+/// each state, and corrections keep them there. A daemon that is too old refuses it.
+pub const UNTANGLED_WELD: u32 = 8;
 
 /// Value and flags of a vertex.
 #[repr(C)]

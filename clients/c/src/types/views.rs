@@ -81,8 +81,8 @@ pub struct RepairView {
     pub truncated: u32,
     /// Number of vertices that move.
     pub num_moved: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Vertices of cloth inside of a body in the repaired state; 0 without bodies.
+    pub num_inside_body: u32,
     /// Edges that pierce a face in the repaired state.
     pub num_edge_face_intersections: u64,
     /// Pairs of faces that cross in the repaired state, as the check counts them.
@@ -162,7 +162,7 @@ impl RepairView {
             certified: u32::from(repair.is_certified()),
             truncated: u32::from(repair.is_truncated()),
             num_moved: header.num_moved,
-            reserved: 0,
+            num_inside_body: u32::try_from(header.num_inside_body).unwrap_or(u32::MAX),
             num_edge_face_intersections: header.num_edge_face_intersections,
             num_crossings: header.num_crossings,
             num_pairs: header.num_pairs,

@@ -141,6 +141,35 @@ static void check_session(untangled_client client, uint32_t options) {
     EXPECT(untangled_close(session) == UNTANGLED_OK);
 }
 
+/* Two triangles that share an edge by doubled vertices, one of them folded over: welded there is one cloth. */
+static void check_weld(untangled_client client) {
+    static const uint32_t seam[] = {0, 1, 2, 3, 4, 5};
+    static const double rest[] = {0, 0, 0, 4, 0, 0, 0, 4, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0};
+    static const float folded[] = {0, 0, 0, 4, 0, 0, 0, 4, 0, 4, 0, 0, 1, 1, 1, 0, 4, 0};
+    static const float open[] = {0, 0, 0, 4, 0, 0, 0, 4, 0, 4, 0, 1, 1, 1, 1, 0, 4, 0};
+    untangled_session session;
+    untangled_registration registration;
+    untangled_correction correction;
+    EXPECT(untangled_registration_init(&registration) == UNTANGLED_OK);
+    registration.num_vertices = 6;
+    registration.triangles = seam;
+    registration.num_triangles = 2;
+    registration.options = UNTANGLED_WELD;
+    EXPECT(untangled_register(client, &registration, &session) == UNTANGLED_REFUSED);
+    registration.rest_positions_m = rest;
+    EXPECT(untangled_register(client, &registration, &session) == UNTANGLED_OK);
+    EXPECT(untangled_num_welded_vertices(session) == 2 && untangled_num_vertices(session) == 6);
+    EXPECT(untangled_exchange(session, 0.0, 0.01, folded, 6, 60000000, &correction) == UNTANGLED_OK);
+    EXPECT(correction.num_vertices == 6 && correction.num_face_pairs == 0);
+    EXPECT(untangled_release(session, &correction) == UNTANGLED_OK);
+    EXPECT(untangled_exchange(session, 0.0, 0.01, open, 6, 60000000, &correction) == UNTANGLED_FRAME_REFUSED);
+    EXPECT(untangled_close(session) == UNTANGLED_OK && untangled_num_welded_vertices(session) == 0);
+    registration.options = 0;
+    EXPECT(untangled_register(client, &registration, &session) == UNTANGLED_OK);
+    EXPECT(untangled_num_welded_vertices(session) == 0);
+    EXPECT(untangled_close(session) == UNTANGLED_OK);
+}
+
 int main(int argc, char **argv) {
     untangled_client client;
     untangled_session session;
@@ -153,6 +182,7 @@ int main(int argc, char **argv) {
     check_session(client, 0);
     check_session(client, UNTANGLED_SPARSE);
     check_session(client, UNTANGLED_LABELS);
+    check_weld(client);
     EXPECT(untangled_registration_init(&registration) == UNTANGLED_OK);
     registration.options = 1u << 30;
     EXPECT(untangled_register(client, &registration, &session) == UNTANGLED_INVALID_ARGUMENT);

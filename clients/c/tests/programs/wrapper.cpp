@@ -168,6 +168,14 @@ int main(int argc, char **argv) {
         EXPECT(!"one vertex for two faces");
     } catch (const std::invalid_argument &) {
     }
+    // Two triangles that share an edge by doubled vertices.
+    untangled::Cloth seam;
+    seam.num_vertices = 6;
+    seam.triangles = {{0, 1, 2}, {3, 4, 5}};
+    seam.rest_positions_m = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+    seam.weld = true;
+    auto welded = client.open(seam);
+    EXPECT(welded.num_welded_vertices() == 2 && welded.num_vertices() == 6 && session.num_welded_vertices() == 0);
     std::puts("the wrapper keeps its word");
     return 0;
 }

@@ -27,7 +27,7 @@ struct Dense {
 }
 
 impl DenseViews {
-    /// None yet, for a session of so many vertices and these pins.
+    /// None yet, for a session of so many vertices and these pins, vertices of bodies among them.
     pub(crate) fn new(num_vertices: usize, pins: &[u32]) -> Self {
         // Sorted for a search; as the daemon refuses pins out of range, nothing has to be said of them here.
         let mut pins: Box<[u32]> = pins.into();

@@ -33,6 +33,8 @@ pub(crate) enum StatePort {
 #[derive(Debug)]
 pub(crate) struct Link {
     pub(crate) session: u64,
+    /// Vertices that became one with another.
+    pub(crate) num_welded: usize,
     pub(crate) states: Arc<StatePort>,
     pub(crate) corrections: CorrectionPort,
     pub(crate) listener: Listener<Ipc>,
@@ -55,6 +57,9 @@ impl Link {
         if !registration.body.is_empty() && reply.header.num_body_vertices == 0 {
             // The session ends by itself: nobody takes it up.
             return Err(RequestError::too_old("bodies", "`body`"));
+        }
+        if registration.weld && reply.header.num_places == 0 && registration.num_vertices > 0 {
+            return Err(RequestError::too_old("welding", "`weld`"));
         }
         let needed = registration.state_segment_bytes(layout);
         check_memory(needed)?;
@@ -86,7 +91,9 @@ impl Link {
         commit_memory(domain, port_id, needed)?;
         let states = Arc::new(states);
         let opened = Instant::now();
-        Ok(Self { session, states, corrections, listener, paths, repairs, opened, checked: opened })
+        let num_places = usize::try_from(reply.header.num_places).unwrap_or(usize::MAX);
+        let num_welded = if registration.weld { registration.num_vertices.saturating_sub(num_places) } else { 0 };
+        Ok(Self { session, num_welded, states, corrections, listener, paths, repairs, opened, checked: opened })
     }
 
     /// Whether the daemon has closed its side, or was cleaned up after a crash. Reads shared memory only.

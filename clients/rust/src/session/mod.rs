@@ -52,7 +52,8 @@ pub struct Session {
 
 impl Session {
     pub(crate) fn open(connection: Arc<Connection>, registration: Registration) -> Result<Self, RegisterError> {
-        let dense = Arc::new(DenseViews::new(registration.num_vertices, &registration.pins));
+        let fixed = [registration.pins.as_slice(), &registration.body].concat();
+        let dense = Arc::new(DenseViews::new(registration.num_vertices, &fixed));
         let link = ReconnectingLink::open(connection, registration)?;
         Ok(Self { link, frame: 0, wishes: Wishes::default(), dense })
     }
@@ -87,6 +88,12 @@ impl Session {
     #[must_use]
     pub fn has_labels(&self) -> bool {
         self.link.options().has_labels()
+    }
+
+    /// Vertices that became one with an earlier one in their place, where [`Registration::weld`] asked for that.
+    #[must_use]
+    pub fn num_welded_vertices(&self) -> usize {
+        self.link.num_welded()
     }
 
     /// A deadline for hosts that have no frame rate to keep: 0.2 s, and 20 microseconds for each triangle, which leaves

@@ -28,6 +28,7 @@ pub(crate) struct ReconnectingLink {
     state: State,
     registration: Registration,
     options: SessionOptions,
+    num_welded: usize,
     num_registrations: u32,
     connection: Arc<Connection>,
 }
@@ -61,8 +62,9 @@ impl ReconnectingLink {
                 Err(error) => return Err(error.into()),
             }
         };
-        let options = link.corrections.options();
-        Ok(Self { state: State::Live(Box::new(link)), registration, options, num_registrations: 1, connection })
+        let (options, num_welded) = (link.corrections.options(), link.num_welded);
+        let state = State::Live(Box::new(link));
+        Ok(Self { state, registration, options, num_welded, num_registrations: 1, connection })
     }
 
     pub(crate) fn connection(&self) -> &Connection {
@@ -80,6 +82,11 @@ impl ReconnectingLink {
     /// What the last link has of what was asked for.
     pub(crate) fn options(&self) -> SessionOptions {
         self.options
+    }
+
+    /// Vertices that became one with another in the last link.
+    pub(crate) fn num_welded(&self) -> usize {
+        self.num_welded
     }
 
     /// How often this was registered.
@@ -177,7 +184,7 @@ impl ReconnectingLink {
             Err(RequestError::Transport { .. }) => return Ok(()),
             link => {
                 let link = link?;
-                self.options = link.corrections.options();
+                (self.options, self.num_welded) = (link.corrections.options(), link.num_welded);
                 self.state = State::Live(Box::new(link));
             }
         }

@@ -1,3 +1,4 @@
+mod behind;
 mod crossing;
 mod distances;
 mod hits;

@@ -6,6 +6,7 @@ mod fan;
 pub mod furrows;
 pub mod knots;
 pub mod mirrored;
+pub mod outfits;
 mod relabel;
 mod sheet;
 mod split;

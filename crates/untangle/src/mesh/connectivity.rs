@@ -228,6 +228,15 @@ impl Mesh {
         !self.is_body.is_empty()
     }
 
+    /// The same mesh with more pinned vertices.
+    ///
+    /// Cost: that of a copy.
+    pub(crate) fn with_pins(&self, pins: impl IntoIterator<Item = VertexId>) -> Self {
+        let mut mesh = self.clone();
+        pins.into_iter().for_each(|pin| mesh.is_pinned[pin.index()] = true);
+        mesh
+    }
+
     /// Whether a vertex belongs to a body. Such vertices are [pinned](Self::is_pinned).
     #[must_use]
     #[inline(always)]

@@ -176,6 +176,12 @@ impl<'a> Relaxer<'a> {
         num_movable(self.mesh, &self.analyser.last().intersections) == 0 && self.wrong_vertices().is_empty()
     }
 
+    /// Whether nothing intersects that a motion can change, and what is left is cloth on the wrong side of bodies or
+    /// layers.
+    pub(super) fn is_on_wrong_side_only(&self) -> bool {
+        num_movable(self.mesh, &self.analyser.last().intersections) == 0 && !self.wrong_vertices().is_empty()
+    }
+
     /// Whether nothing is left but what hangs on vertices that are pinned inside of a body, which no motion resolves.
     pub(super) fn hangs_on_pins(&self) -> bool {
         let Self { mesh, frame, .. } = self;

@@ -7,7 +7,9 @@ use super::{
     escape::descend,
     flattening::flatten,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
-    plan::{Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans},
+    plan::{
+        Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths,
+    },
     relaxer::{Progress, Relaxer},
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
@@ -38,7 +40,11 @@ pub(super) fn run(
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
     let largest = analyse_input(&mut relaxer);
     let mut end = escape(&mut relaxer, largest, &mut best, progress)?;
-    let plans = if end == End::Stuck { plans(largest) } else { Vec::new() };
+    let plans = match end {
+        End::Stuck if relaxer.is_on_wrong_side_only() => plans_without_paths(),
+        End::Stuck => plans(largest),
+        _ => Vec::new(),
+    };
     for plan in plans {
         if let Plan::Resolve { inside, .. } = plan {
             relaxer.analysis_settings.inside = inside;
@@ -130,6 +136,9 @@ fn escape(
             relaxer.set_frame(&best.positions)?;
             let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
             end = resolve(relaxer, objective, Pace::Usual, stall, best, progress)?;
+        }
+        if relaxer.is_on_wrong_side_only() {
+            break;
         }
     }
     Ok(end)

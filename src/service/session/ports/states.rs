@@ -11,9 +11,12 @@ use untangled_proto::{
 };
 use untangled_transport::services::{Ipc, Position, States};
 
-use untangle::{frame::Frame, mesh::Mesh};
+use untangle::frame::Frame;
 
-use super::super::ingest::{self, StateFault};
+use super::super::{
+    cloth::Cloth,
+    ingest::{self, StateFault},
+};
 use crate::service::{error::ServeError, throttle::Throttle};
 
 /// Receives states, in the precision that the host chose.
@@ -61,16 +64,36 @@ impl StatePort {
         }
     }
 
-    /// The newest state that has come, copied and checked into `frame`.
-    pub(crate) fn read_newest(&self, frame: &mut Frame, mesh: &Mesh) -> Option<(StateHeader, Result<(), StateFault>)> {
+    /// The newest state that has come, copied and checked into `frame`. `copied` is memory for a welded cloth.
+    pub(crate) fn read_newest(
+        &self,
+        frame: &mut Frame,
+        cloth: &Cloth,
+        copied: &mut Vec<[f64; 3]>,
+    ) -> Option<(StateHeader, Result<(), StateFault>)> {
+        let mesh = cloth.mesh();
         match self {
             Self::F32(states) => {
                 let sample = states.newest()?;
-                Some((*sample.user_header(), ingest::read_f32(frame, mesh, sample.payload())))
+                let read = match cloth.weld() {
+                    Some(weld) => {
+                        let coordinates = |position: PositionF32| position.0;
+                        ingest::read_welded(frame, mesh, weld, sample.payload(), coordinates, copied)
+                    }
+                    None => ingest::read_f32(frame, mesh, sample.payload()),
+                };
+                Some((*sample.user_header(), read))
             }
             Self::F64(states) => {
                 let sample = states.newest()?;
-                Some((*sample.user_header(), ingest::read_f64(frame, mesh, sample.payload())))
+                let read = match cloth.weld() {
+                    Some(weld) => {
+                        let coordinates = |position: PositionF64| position.0;
+                        ingest::read_welded(frame, mesh, weld, sample.payload(), coordinates, copied)
+                    }
+                    None => ingest::read_f64(frame, mesh, sample.payload()),
+                };
+                Some((*sample.user_header(), read))
             }
         }
     }

@@ -7,13 +7,14 @@
 //! barrier: distances need not stay above zero by an energy where every step is checked exactly.
 //!
 //! Not every pair can be set apart: primitives that are connected along the surface by less than the gap, that are held
-//! from both sides, or pinned. These get no constraints once they are recognised, so that nothing is stretched in vain,
-//! and are named.
+//! from both sides, or pinned, or part of a tangle that is left. These get no constraints once they are recognised, so
+//! that nothing is stretched in vain, and are named.
 //!
 //! | file | purpose |
 //! |---|---|
 //! | `outcome` | what a caller gets |
 //! | `required` | how far apart a pair has to be, the rounding of files included |
+//! | `tangled` | what is left tangled, and stays as it is |
 //! | `obstacles` | pairs that can't be set apart |
 //! | `rows` | constraints of the others |
 //! | `step` | a step that intersects nothing and overstretches nothing |
@@ -27,6 +28,7 @@ mod required;
 mod rows;
 mod solve;
 mod step;
+mod tangled;
 #[cfg(test)]
 mod tests;
 

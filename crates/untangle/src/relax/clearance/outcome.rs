@@ -21,6 +21,9 @@ pub enum ClearanceObstacle {
     /// The same, where some vertices near it are pinned.
     #[error("no motion set it further apart: some of its vertices are pinned")]
     PartlyPinned,
+    /// It lies at or beside a tangle: where something intersects, or is on the wrong side.
+    #[error("a tangle is left there, which has to be resolved first")]
+    Tangled,
     /// The work ended before.
     #[error("the work was ended before it was set apart")]
     Ended,

@@ -10,6 +10,7 @@ use super::{
     required::Required,
     rows::add_row,
     step::ClearStep,
+    tangled::tangled_vertices,
 };
 use crate::{
     frame::Frame,
@@ -22,6 +23,7 @@ use crate::{
         settings::{RelaxSettings, ShouldStop},
         step::{DisplacementSolver, SolverBudget, Start},
     },
+    sparse_map::SparseMap,
 };
 
 /// The root is the length, in edges, over which a displacement decays.
@@ -42,13 +44,14 @@ const MAX_PAIRS: usize = 4_000_000;
 /// The caller's function that is told of each iteration, and may end the work.
 type Progress<'p> = dyn FnMut(&Iteration) -> ControlFlow<()> + 'p;
 
-/// Moves vertices of a state without intersections until no two primitives without a common vertex are nearer than
+/// Moves vertices until no two primitives without a common vertex are nearer than
 /// `gap_m`, in double precision and after rounding to single precision, or nothing helps any more. No state on the way
 /// has an intersection that `positions` does not have. `positions` are in metres, `num_vertices x 3`; they are the rest
 /// shape. Of `settings` the largest number of iterations and the precision are used. `progress` and `should_stop` are
 /// those of [`relax_until`](crate::relax::relax_until).
 ///
-/// Pairs that can't be set apart are found out and left alone, each with its reason; the others go on.
+/// Pairs that can't be set apart are found out and left alone, each with its reason; the others go on. What intersects,
+/// or is on the wrong side of a body or a layer, stays as it is with two rings round it.
 ///
 /// Cost: an iteration takes a search for pairs, some factorisations of a sparse system over the vertices near the pairs
 /// below the gap, and up to ten searches for intersections.
@@ -65,6 +68,14 @@ pub fn open_gap(
 ) -> Result<Clearance, RelaxError> {
     let frame = Frame::new(mesh, positions)?;
     let input = frame.clone();
+    let tangled = tangled_vertices(mesh, &frame);
+    let held;
+    let mesh = if tangled.keys().is_empty() {
+        mesh
+    } else {
+        held = mesh.with_pins(tangled.keys().iter().copied());
+        &held
+    };
     let mut solver = Solver {
         required: Required::new(mesh, &frame, gap_m, settings.single_precision),
         rest: RestShape::of(mesh, &frame),
@@ -74,6 +85,7 @@ pub fn open_gap(
         should_stop,
         frame,
         input: &input,
+        tangled,
         search: ProximitySearch::default(),
         pairs: Vec::new(),
         obstacles: Obstacles::default(),
@@ -105,6 +117,7 @@ struct Solver<'a> {
     rest: RestShape,
     frame: Frame,
     input: &'a Frame,
+    tangled: SparseMap<VertexId, ()>,
     search: ProximitySearch,
     /// All pairs within the horizon in the present state.
     pairs: Vec<ProximityPair>,
@@ -201,16 +214,28 @@ impl Solver<'_> {
 
     /// What keeps a pair from being set apart, as far as is known after some iterations.
     fn obstacle(&mut self, pair: &ProximityPair, least_m: f64, iteration: usize) -> Option<ClearanceObstacle> {
-        let Self { mesh, frame, input, gap_m, obstacles, known, .. } = self;
+        let Self { mesh, frame, input, gap_m, obstacles, known, tangled, .. } = self;
+        let mut find = || {
+            if pair.primitives.vertices(mesh).any(|vertex| tangled.contains(vertex)) {
+                return Some(ClearanceObstacle::Tangled);
+            }
+            obstacles.find(mesh, [input, frame], pair.primitives, least_m)
+        };
         let known = known.entry(pair.primitives).or_insert_with(|| Known {
-            obstacle: obstacles.find(mesh, [input, frame], pair.primitives, least_m),
+            obstacle: find(),
             best_m: pair.distance_m,
             since: iteration,
         });
         if pair.distance_m > known.best_m + MIN_GAIN * *gap_m || pair.distance_m >= least_m {
             (known.best_m, known.since) = (pair.distance_m, iteration);
         } else if known.obstacle.is_none() && iteration >= known.since + PATIENCE {
-            known.obstacle = Some(held(mesh, pair.primitives));
+            let is_beside = |vertex| {
+                let mut next = mesh.vertex_edges(vertex).iter().map(|&edge| mesh.opposite_vertex(edge, vertex));
+                next.any(|next| tangled.contains(next))
+            };
+            let is_beside_tangle = pair.primitives.vertices(mesh).any(is_beside);
+            known.obstacle =
+                Some(if is_beside_tangle { ClearanceObstacle::Tangled } else { held(mesh, pair.primitives) });
         }
         known.obstacle
     }

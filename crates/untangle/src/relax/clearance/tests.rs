@@ -231,3 +231,17 @@ fn open_gap_of_touching_primitives_takes_the_side_of_exact_signs() {
         assert_eq!(num_intersections(&scene.mesh, &opened.positions), 0);
     }
 }
+
+#[test]
+fn open_gap_beside_a_tangle_sets_apart_what_is_far_from_it_and_names_the_rest() {
+    // Two sheets that are close everywhere, and cross in a corner.
+    let scene = sheets(24, &[&|_, _| 0.0, &|x, y| 0.001 - 0.4 * (0.3 - (0.4 - x).hypot(0.4 - y)).clamp(0.0, 0.1)], &[]);
+    let before = num_below(&scene.mesh, &scene.positions, 0.002)[0];
+    let tangle = num_intersections(&scene.mesh, &scene.positions);
+    assert!(tangle > 0);
+    let opened = open(&scene, 0.002, &RelaxSettings::default());
+    assert!(opened.num_pairs_below > 0 && 2 * opened.num_pairs_below < before, "{} {before}", opened.num_pairs_below);
+    assert_eq!(num_intersections(&scene.mesh, &opened.positions), tangle);
+    let obstacles: Vec<_> = opened.infeasible.iter().map(|place| (place.obstacle, place.num_pairs)).collect();
+    assert!(opened.infeasible.iter().all(|place| place.obstacle == ClearanceObstacle::Tangled), "{obstacles:?}");
+}

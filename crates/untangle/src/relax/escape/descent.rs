@@ -36,6 +36,8 @@ const MAX_DOMAIN_RINGS: f64 = 46.0;
 const REST_WEIGHT: f64 = 0.3;
 /// Ends where so many iterations took away less than a part of the merit.
 const PATIENCE: usize = 8;
+/// The same where nothing intersects, and cloth is on the wrong side only: other ways are those of contours.
+const PATIENCE_WITHOUT_CONTOURS: usize = 4;
 const MIN_GAIN: f64 = 0.02;
 /// Iterations without that much gain until other ways are tried.
 const STALLED: usize = 2;
@@ -87,7 +89,7 @@ pub(in crate::relax) fn descend(
             least = (merit, iteration);
         }
         descent.stalled = iteration - least.1;
-        if descent.stalled >= PATIENCE {
+        if descent.stalled >= if descent.motions.is_empty() { PATIENCE_WITHOUT_CONTOURS } else { PATIENCE } {
             break;
         }
         let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });

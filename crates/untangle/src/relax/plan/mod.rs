@@ -86,6 +86,12 @@ pub(super) fn plans(largest: Largest) -> Vec<Plan> {
     [first.as_slice(), others.as_slice()].concat()
 }
 
+/// The plans where nothing intersects, and cloth is on the wrong side only: objectives and insides are those of paths,
+/// and without any all plans of trials are one.
+pub(super) fn plans_without_paths() -> Vec<Plan> {
+    vec![Plan::Resolve { objective: Objective::Normal, inside: InsideChoice::Work, pace: Pace::Usual }]
+}
+
 /// When a plan is given up: this many iterations have removed too small a part of the tangle before them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StallCriterion {
