@@ -12,6 +12,7 @@
 //! | `gap` | `--gap`: the distance that primitives keep |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache`: frame after frame |
+//! | `packaging` | `completions` and `man`: what packages carry beside the program |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
 mod certificate;
@@ -23,6 +24,7 @@ pub mod gap;
 pub mod input;
 mod outcome;
 mod owners;
+mod packaging;
 pub mod picture;
 pub mod roles;
 pub mod sequence;
@@ -33,7 +35,7 @@ mod wording;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 pub use outcome::{CliError, Outcome};
 
@@ -61,6 +63,8 @@ enum Command {
     Check(check::CheckArgs),
     Fix(fix::FixArgs),
     Demo(demo::DemoArgs),
+    Completions(packaging::CompletionsArgs),
+    Man(packaging::ManArgs),
     /// Simulate a cloth as the example host does; `demo` starts this as a process of its own.
     #[command(hide = true)]
     Publish(untangled_publisher::cli::PublishArgs),
@@ -98,6 +102,8 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Fix(args) if args.sequence.cache.is_some() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
+        Command::Completions(args) => packaging::completions(&args, Cli::command()),
+        Command::Man(args) => packaging::man(&args, Cli::command()),
         Command::Publish(args) => demo::publish(&args).map_err(Into::into),
     }
 }

@@ -233,3 +233,37 @@ fn config_with_a_file_prints_what_the_file_changes() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("none.toml"));
 }
+
+/// Commands that people see in `--help`.
+const COMMANDS: [&str; 8] = ["serve", "status", "config", "check", "fix", "demo", "completions", "man"];
+
+#[test]
+fn manual_pages_name_every_command_and_its_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = command("man", folder.path()).arg(".").output().unwrap();
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
+    let page = |name: &str| fs::read_to_string(folder.path().join(format!("{name}.1"))).unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1 + COMMANDS.len());
+    for name in COMMANDS {
+        assert!(page("untangled").contains(&format!("untangled\\-{name}(1)")), "{name}");
+        assert!(page(&format!("untangled-{name}")).contains("SYNOPSIS"), "{name}");
+    }
+    assert!(page("untangled-fix").contains("\\-\\-body"));
+    let output = command("man", folder.path()).arg("none").output().unwrap();
+    let complaint = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(complaint.starts_with("untangled: none/untangled.1: "), "{complaint}");
+}
+
+#[test]
+fn completions_of_every_shell_know_the_commands_and_flags() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let output = command("completions", &root()).arg(shell).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{shell}");
+        let script = String::from_utf8(output.stdout).unwrap();
+        for word in COMMANDS.iter().chain(&["gap-for", "weld"]) {
+            assert!(script.contains(word), "{shell} {word}");
+        }
+    }
+    assert_eq!(command("completions", &root()).arg("none").output().unwrap().status.code(), Some(2));
+}
