@@ -269,7 +269,7 @@ impl MeshFile {
             Document::Obj(document) => Ok(document.write(before, positions, out)?),
             Document::Ply(document) => document.write(before, positions, out),
             Document::Gltf(document) => document.write(before, positions, destination, out),
-            Document::Stl(document) => Ok(document.write(before, positions, out)?),
+            Document::Stl(document) => document.write(before, positions, out),
         }
     }
 
@@ -279,7 +279,7 @@ impl MeshFile {
             Document::Obj(_) => Ok(positions.to_vec()),
             Document::Ply(document) => document.stored(self.positions(), positions),
             Document::Gltf(document) => document.stored_positions(self.positions(), positions),
-            Document::Stl(document) => Ok(document.stored(self.positions(), positions)),
+            Document::Stl(document) => document.stored(self.positions(), positions),
         }
     }
 

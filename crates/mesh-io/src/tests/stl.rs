@@ -61,6 +61,24 @@ fn moved_vertex_of_stl_is_written_at_all_its_corners_with_the_normals() {
 }
 
 #[test]
+fn positions_that_stl_can_not_hold_are_refused() {
+    for (content, single) in [(ASCII.as_bytes(), false), (&binary(), true)] {
+        let mesh = read("sheet.stl", content).unwrap();
+        let refusal = |vertex: usize, position: [f64; 3]| {
+            let mut positions = mesh.positions().to_vec();
+            positions[vertex] = position;
+            mesh.write_with_positions(&positions, &mut Vec::new()).err().map(|error| error.to_string())
+        };
+        let twice =
+            "vertex 3 can't be moved in this file: another vertex is in its place, and STL would make one of them";
+        assert_eq!(refusal(3, [0., -0., 0.]).as_deref(), Some(twice));
+        assert_eq!(refusal(3, [1e-60, 0., 0.]).as_deref(), single.then_some(twice));
+        let beyond = "vertex 1 can't be moved in this file: it is beyond single precision";
+        assert_eq!(refusal(1, [1e39, 0., 0.]).as_deref(), single.then_some(beyond));
+    }
+}
+
+#[test]
 fn damaged_stl_is_refused_with_its_place() {
     let text = |from: &str, to: &str| refusal("a.stl", ASCII.replacen(from, to, 1).as_bytes());
     assert_eq!(text("1.50", "x"), "a.stl:5: facet 0 has `x` where a number is needed");

@@ -24,7 +24,7 @@ use super::{
     checks::{check_file, check_frame, check_mesh},
     damage::damage,
     grid::grid,
-    mesh_files::{gltf, obj, ply},
+    mesh_files::{gltf, obj, ply, stl},
     requests::{document, registration},
 };
 
@@ -44,7 +44,7 @@ impl Drop for Fuzzer {
     }
 }
 
-const EXTENSIONS: [&str; 4] = ["obj", "ply", "gltf", "glb"];
+const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "stl"];
 
 impl Fuzzer {
     pub(super) fn new() -> Self {
@@ -156,6 +156,7 @@ impl Fuzzer {
             "obj" => obj(rng),
             "ply" => ply(rng),
             "gltf" => gltf(rng, false),
+            "stl" => stl(rng),
             _ => gltf(rng, true),
         };
         if rng.random_bool(0.7) {

@@ -87,6 +87,41 @@ pub(super) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
+/// STL, as text or binary; some corners of one vertex are in other places, some facets have no area.
+pub(super) fn stl(rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let n = rng.random_range(1..4u32);
+    let places: Vec<[String; 3]> = (0..(n + 1) * (n + 1)).map(|_| std::array::from_fn(|_| number(rng))).collect();
+    let mut facets: Vec<[[String; 3]; 3]> =
+        grid(n).into_iter().map(|face| face.map(|corner| places[corner as usize].clone())).collect();
+    for corner in facets.as_flattened_mut() {
+        match rng.random_range(0..30) {
+            0 => corner[0] = number(rng),
+            1 => *corner = places[0].clone(),
+            _ => {}
+        }
+    }
+    if rng.random() {
+        let mut text = String::from("solid a sheet\n");
+        for facet in facets {
+            let corners = facet.map(|place| format!("  vertex {}\n", place.join(" "))).concat();
+            text += &format!("facet normal 0 0 {}\nouter loop\n{corners}endloop\nendfacet\n", rng.random_range(0..2));
+        }
+        return (text + "endsolid\n").into_bytes();
+    }
+    let mut bytes = vec![b's'; 80];
+    bytes.extend((facets.len() as u32).to_le_bytes());
+    for facet in facets {
+        for value in [0.0, 0.0, f32::from(rng.random::<bool>())] {
+            bytes.extend(value.to_le_bytes());
+        }
+        for coordinate in facet.as_flattened() {
+            bytes.extend(coordinate.parse().unwrap_or(0.0f32).to_le_bytes());
+        }
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
 /// glTF with its buffer in the document, or GLB.
 pub(super) fn gltf(rng: &mut ChaCha8Rng, binary: bool) -> Vec<u8> {
     let n = rng.random_range(1..3u32);

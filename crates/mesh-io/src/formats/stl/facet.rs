@@ -16,6 +16,11 @@ pub(super) struct Facets {
     by_place: HashMap<[u64; 3], u32>,
 }
 
+/// The bits of a place; zeros of both signs are one.
+pub(super) fn place_key(place: [f64; 3]) -> [u64; 3] {
+    place.map(|coordinate| (coordinate + 0.0).to_bits())
+}
+
 impl Facets {
     pub(super) fn push(&mut self, places: [[f64; 3]; 3]) {
         let corners = places.map(|place| self.vertex(place));
@@ -28,8 +33,7 @@ impl Facets {
     }
 
     fn vertex(&mut self, place: [f64; 3]) -> u32 {
-        // Zeros of both signs are one place.
-        let key = place.map(|coordinate| (coordinate + 0.0).to_bits());
+        let key = place_key(place);
         let next = u32::try_from(self.positions.len()).unwrap_or(u32::MAX);
         match self.by_place.entry(key) {
             Entry::Occupied(entry) => *entry.get(),

@@ -1,15 +1,18 @@
 //! Writing STL back with other positions.
 
-use std::io::{self, Write};
+use std::{collections::HashSet, io::Write};
 
-use crate::formats::{
-    mesh_data::MeshData,
-    stl::{
-        facet::Facets,
-        read_ascii::FacetOffsets,
-        read_binary::{FACET, HEADER, position},
+use crate::{
+    error::WriteError,
+    formats::{
+        mesh_data::MeshData,
+        stl::{
+            facet::{Facets, place_key},
+            read_ascii::FacetOffsets,
+            read_binary::{FACET, HEADER, position},
+        },
+        text::{self, Edit, Tokens},
     },
-    text::{self, Edit, Tokens},
 };
 
 /// An STL file as it was read.
@@ -40,18 +43,30 @@ impl StlDocument {
         Some(text::line_of(&self.source, offsets[corner / 3].corners[corner % 3][0]))
     }
 
-    /// The positions that reading gives after [`write`](Self::write).
-    pub(crate) fn stored(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let stored = |(before, after): (&[f64; 3], &[f64; 3])| {
-            let is_kept = !self.is_single_precision() || !has_moved(before, after);
-            if is_kept { *after } else { after.map(|coordinate| f64::from(single(coordinate))) }
-        };
-        before.iter().zip(after).map(stored).collect()
+    /// The positions that reading gives after [`write`](Self::write). What is beyond single precision, and a vertex in
+    /// the place of another one, can't be stored.
+    pub(crate) fn stored(&self, before: &[[f64; 3]], after: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
+        let refused = |vertex, reason: &str| WriteError::FixedCoordinates { vertex, reason: reason.to_owned() };
+        let mut places = HashSet::new();
+        let mut stored = after.to_vec();
+        for (vertex, (before, stored)) in before.iter().zip(&mut stored).enumerate() {
+            if self.is_single_precision() && has_moved(before, stored) {
+                *stored = stored.map(|coordinate| f64::from(single(coordinate)));
+                if stored.iter().any(|coordinate| !coordinate.is_finite()) {
+                    return Err(refused(vertex, "it is beyond single precision"));
+                }
+            }
+            if !places.insert(place_key(*stored)) {
+                return Err(refused(vertex, "another vertex is in its place, and STL would make one of them"));
+            }
+        }
+        Ok(stored)
     }
 
     /// Writes the file with other positions: only coordinates that changed, and the normals of facets that moved, are
     /// other bytes. A normal of three zeros, which leaves it to the reader, stays.
-    pub(crate) fn write(&self, before: &[[f64; 3]], after: &[[f64; 3]], out: &mut dyn Write) -> io::Result<()> {
+    pub(crate) fn write(&self, before: &[[f64; 3]], after: &[[f64; 3]], out: &mut dyn Write) -> Result<(), WriteError> {
+        let after = &self.stored(before, after)?;
         let moved = |corners: &[u32; 3]| {
             corners.map(|vertex| {
                 let vertex = vertex as usize;
@@ -64,14 +79,14 @@ impl StlDocument {
                 let facets = self.corners.iter().zip(offsets);
                 let edits =
                     facets.flat_map(|(corners, offsets)| self.text_edits(offsets, moved(corners), &|| normal(corners)));
-                text::write_edited(&self.source, 0, edits, out)
+                Ok(text::write_edited(&self.source, 0, edits, out)?)
             }
             None => {
                 let mut bytes = self.source.clone();
                 for (facet, corners) in bytes[HEADER..].chunks_exact_mut(FACET).zip(&self.corners) {
                     write_facet(facet, moved(corners), &|| normal(corners));
                 }
-                out.write_all(&bytes)
+                Ok(out.write_all(&bytes)?)
             }
         }
     }
