@@ -71,14 +71,14 @@ fn sparse_elements_keep_layout() {
 
 #[test]
 fn options_keep_their_bits_and_unknown_bits_are_none() {
-    let all = [SessionOptions::SPARSE, SessionOptions::LABELS, SessionOptions::REPAIR];
-    assert_eq!(all.map(SessionOptions::bits), [1, 2, 4]);
-    for bits in 0..8 {
+    let all = [SessionOptions::SPARSE, SessionOptions::LABELS, SessionOptions::REPAIR, SessionOptions::WELD];
+    assert_eq!(all.map(SessionOptions::bits), [1, 2, 4, 8]);
+    for bits in 0..16 {
         let options = SessionOptions::from_bits(bits).unwrap();
         assert_eq!((options.bits(), options.is_sparse(), options.has_labels()), (bits, bits & 3 != 0, bits & 2 != 0));
         assert_eq!(options.has_repairs(), bits & 4 != 0);
     }
-    for unknown in [8, 1 << 31, 9] {
+    for unknown in [16, 1 << 31, 17] {
         assert_eq!(SessionOptions::from_bits(unknown), None, "{unknown}");
     }
 }

@@ -222,10 +222,10 @@ impl MeshFile {
 
     /// Writes the file back with other positions in metres, `num_vertices x 3`.
     ///
-    /// Every byte stays but those of coordinates that changed, of the bounds of positions in glTF, and of the normals of
-    /// facets that moved in STL. A file of single
-    /// precision gets the nearest single. Of a glTF document with buffers in files of their own, the buffers that
-    /// changed become `data:` links; the other links stay, so the document must be written into the same folder.
+    /// Every byte stays but those of coordinates that changed, of the bounds of positions in glTF, and of the normals
+    /// of facets that moved in STL. A file of single precision gets the nearest single. Of a glTF document with
+    /// buffers in files of their own, the buffers that changed become `data:` links; the other links stay, so the
+    /// document must be written into the same folder.
     ///
     /// # Errors
     /// [`WriteError`] for a wrong number of positions, for a vertex that moved and is one of

@@ -16,9 +16,9 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence:
 ///
 /// The extension of OUT decides its format. OBJ from OBJ, PLY from PLY, STL from STL and glTF or GLB from glTF or GLB
 /// keep all that is not geometry, and so do several OBJ in one OBJ; any other combination keeps vertices, polygons and
-/// texture coordinates. STL is only written from one STL, glTF only from one glTF; a buffer of it that changed, or that would not be found from the
-/// folder of OUT, is embedded. Other files that an input names (materials, images) are named as before, and looked for
-/// beside OUT.
+/// texture coordinates. STL is only written from one STL, glTF only from one glTF; a buffer of it that changed, or
+/// that would not be found from the folder of OUT, is embedded. Other files that an input names (materials, images) are
+/// named as before, and looked for beside OUT.
 ///
 /// With --cache the frames of a sequence are repaired, coherent in time: each correction is carried to the frames
 /// beside it, and fades out over 8 of them; a frame that was clean and needs no such fade is written bit for bit. OUT
@@ -36,8 +36,8 @@ pub struct FixArgs {
     /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input under
-    /// its own name; with --cache a file or pattern of the same format as that
+    /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input
+    /// under its own name; with --cache a file or pattern of the same format as that
     #[arg(short, long, value_name = "OUT")]
     pub out: PathBuf,
     /// Print one JSON document (schema untangled.fix/1) instead of lines for people

@@ -8,8 +8,8 @@ use std::{
 
 use crate::printable::Printable;
 
-/// A run of faces or vertices under one name: of an object and a group in OBJ, of a node and a mesh in glTF, of a solid in STL.
-/// PLY has no names.
+/// A run of faces or vertices under one name: of an object and a group in OBJ, of a node and a mesh in glTF, of a solid
+/// in STL. PLY has no names.
 ///
 /// Its [`Display`] is for messages: `object "shirt", group "left sleeve"`, control characters escaped.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

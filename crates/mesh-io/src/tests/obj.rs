@@ -67,6 +67,6 @@ fn read_mesh_of_bad_obj_names_file_line_and_element() {
         assert_eq!(refusal("bad.obj", content.as_bytes()), message);
     }
     assert!(refusal("bad.obj", b"").contains("no mesh"));
-    assert!(refusal("bad.stl", b"solid").contains("not a known mesh format"));
+    assert!(refusal("bad.fbx", b"Kaydara").contains("not a known mesh format"));
     assert!(read_mesh("/nowhere/a.obj").unwrap_err().to_string().starts_with("/nowhere/a.obj: can't be read: "));
 }

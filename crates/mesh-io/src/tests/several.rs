@@ -86,7 +86,8 @@ fn output_takes_its_format_from_the_extension() {
     assert_eq!(write(std::slice::from_ref(&ply), "c.ply").unwrap(), binary_ply(false, "float"));
     let mixed = write(&[obj.clone(), ply.clone()], "c.obj").unwrap();
     assert!(mixed.starts_with(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# end\no b\nv 0 0 0.10000000149011612\n"));
-    assert!(matches!(write(one, "c.stl"), Err(WriteError::UnknownFormat)));
+    assert!(matches!(write(one, "c.fbx"), Err(WriteError::UnknownFormat)));
+    assert!(matches!(write(one, "c.stl"), Err(WriteError::OnlyFromStl)));
     for name in ["c.glb", "c.gltf"] {
         assert!(matches!(write(one, name), Err(WriteError::OnlyFromGltf)));
     }

@@ -13,11 +13,11 @@
 //!
 //! `--subdivide N` splits every triangle in four, N times, before. `--motions N` takes every mesh N times, each under
 //! another random rigid motion and scale. `--perturb N` takes it N times more, each vertex moved by up to 1e-12 of the
-//! diagonal and every other time under other names of vertices and faces, and prints the least and the greatest value of
-//! each column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods, `--knots N` takes ten
-//! knotted tubes of N vertices around, thicker by a part than there is room for. `--seconds` ends a mesh after so much
-//! processor time; `--curve` prints the intersections after each iteration, `--watch` does so on standard error while
-//! it works.
+//! diagonal and every other time under other names of vertices and faces, and prints the least, the median and the
+//! greatest value of each column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods,
+//! `--knots N` takes ten knotted tubes of N vertices around, thicker by a part than there is room for. `--seconds`
+//! ends a mesh after so much processor time; `--curve` prints the intersections after each iteration, `--watch` does
+//! so on standard error while it works.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod change;

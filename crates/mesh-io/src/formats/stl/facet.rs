@@ -1,8 +1,22 @@
-//! Facets as they are read: corners in one place become one vertex.
+//! Facets in files, and as they are read: corners in one place become one vertex.
 
 use std::collections::{HashMap, hash_map::Entry};
 
 use crate::formats::polygon::{NO_UV, Polygons};
+
+/// Bytes before the first facet.
+pub(super) const HEADER: usize = 84;
+/// Bytes of a facet: normal, three corners, and two bytes that some programs use for a colour.
+pub(super) const FACET: usize = 50;
+
+/// Where the numbers of a facet stand.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FacetOffsets {
+    /// Byte offsets of the normal.
+    pub(super) normal: [usize; 3],
+    /// Byte offsets of each corner.
+    pub(super) corners: [[usize; 3]; 3],
+}
 
 /// Vertices and faces of the facets read so far.
 #[derive(Debug, Default)]
@@ -43,4 +57,12 @@ impl Facets {
             }
         }
     }
+}
+
+/// Three singles at a place of a facet.
+pub(super) fn position(facet: &[u8], at: usize) -> [f64; 3] {
+    [0, 4, 8].map(|offset| {
+        let bytes = &facet[at + offset..at + offset + 4];
+        f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+    })
 }

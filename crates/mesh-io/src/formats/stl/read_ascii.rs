@@ -5,19 +5,13 @@ use crate::{
     formats::{
         mesh_data::MeshData,
         part::{Part, PartBuilder, PartName},
-        stl::{facet::Facets, write::StlDocument},
+        stl::{
+            facet::{FacetOffsets, Facets},
+            write::StlDocument,
+        },
         text::{self, LogicalLines, Tokens},
     },
 };
-
-/// Where the numbers of a facet stand.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FacetOffsets {
-    /// Byte offsets of the normal.
-    pub(super) normal: [usize; 3],
-    /// Byte offsets of each corner.
-    pub(super) corners: [[usize; 3]; 3],
-}
 
 #[derive(Default)]
 struct Parser {

@@ -4,14 +4,12 @@ use crate::{
     error::ReadErrorKind,
     formats::{
         mesh_data::MeshData,
-        stl::{facet::Facets, write::StlDocument},
+        stl::{
+            facet::{FACET, Facets, HEADER, position},
+            write::StlDocument,
+        },
     },
 };
-
-/// Bytes before the first facet.
-pub(super) const HEADER: usize = 84;
-/// Bytes of a facet: normal, three corners, and two bytes that some programs use for a colour.
-pub(super) const FACET: usize = 50;
 
 /// Whether a file is binary: the number of facets that it names fits its length, or it does not begin as text does.
 /// Some programs write `solid` into the header of binary files as well.
@@ -42,12 +40,4 @@ pub(super) fn parse(source: Vec<u8>) -> Result<(MeshData, StlDocument), ReadErro
         facets.push(corners);
     }
     Ok(StlDocument::new(source, None, facets))
-}
-
-/// Three singles at a place of a facet.
-pub(super) fn position(facet: &[u8], at: usize) -> [f64; 3] {
-    [0, 4, 8].map(|offset| {
-        let bytes = &facet[at + offset..at + offset + 4];
-        f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
-    })
 }

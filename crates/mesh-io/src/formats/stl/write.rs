@@ -6,11 +6,7 @@ use crate::{
     error::WriteError,
     formats::{
         mesh_data::MeshData,
-        stl::{
-            facet::{Facets, place_key},
-            read_ascii::FacetOffsets,
-            read_binary::{FACET, HEADER, position},
-        },
+        stl::facet::{FACET, FacetOffsets, Facets, HEADER, place_key, position},
         text::{self, Edit, Tokens},
     },
 };

@@ -8,8 +8,8 @@ use crate::{frame::Frame, intersect::Intersections, mesh::Mesh, sides::Orientati
 /// The first radius of the windows round a contour, in mean edge lengths, and its growth.
 const FIRST_RADIUS: f64 = 4.0;
 const RADIUS_GROWTH: f64 = 2.0;
-/// Windows this many times narrower are looked at where wide ones meet and see a deep overlap: on a coarse mesh they hold
-/// other parts of the surface, which overlap elsewhere.
+/// Windows this many times narrower are looked at where wide ones meet and see a deep overlap: on a coarse mesh they
+/// hold other parts of the surface, which overlap elsewhere.
 const NARROWER: [f64; 2] = [4.0, 2.0];
 /// A shallow overlap is as deep in windows twice as wide, within this factor.
 const STEADY: f64 = 1.3;
@@ -102,8 +102,8 @@ impl Windows {
     }
 
     /// Where the windows have grown into each other, measures and sorts the directions in windows narrower than the
-    /// first, if these see a shallow overlap that is about as deep in one as in the next, and far shallower than so far. Gives back the radius of the wider of
-    /// the two.
+    /// first, if these see a shallow overlap that is about as deep in one as in the next, and far shallower than so
+    /// far. Gives back the radius of the wider of the two.
     fn narrow(
         &mut self,
         scene: &Scene<'_>,

@@ -9,8 +9,6 @@ pub enum Knot {
     Torus(f64, f64),
     /// The knot of four crossings.
     FigureEight,
-    /// Cosines of three frequencies, with three phases.
-    Lissajous([f64; 3], [f64; 3]),
 }
 
 /// Ten knots with names.
@@ -19,12 +17,12 @@ pub const KNOTS: [(&str, Knot); 10] = [
     ("cinquefoil", Knot::Torus(2.0, 5.0)),
     ("septafoil", Knot::Torus(2.0, 7.0)),
     ("nonafoil", Knot::Torus(2.0, 9.0)),
+    ("torus_2_11", Knot::Torus(2.0, 11.0)),
     ("torus_3_4", Knot::Torus(3.0, 4.0)),
     ("torus_3_5", Knot::Torus(3.0, 5.0)),
+    ("torus_3_7", Knot::Torus(3.0, 7.0)),
     ("torus_4_5", Knot::Torus(4.0, 5.0)),
     ("figure_eight", Knot::FigureEight),
-    ("lissajous_3_2_7", Knot::Lissajous([3.0, 2.0, 7.0], [0.7, 0.2, 0.0])),
-    ("lissajous_3_4_7", Knot::Lissajous([3.0, 4.0, 7.0], [0.1, 0.7, 0.0])),
 ];
 
 /// Points along the curve at which its own nearness is looked for.
@@ -43,7 +41,6 @@ impl Knot {
                 let radius = 2.0 + (2.0 * angle).cos();
                 Vector3::new(radius * (3.0 * angle).cos(), radius * (3.0 * angle).sin(), (4.0 * angle).sin())
             }
-            Self::Lissajous(frequencies, phases) => Vector3::from_fn(|k, _| (frequencies[k] * angle + phases[k]).cos()),
         }
     }
 
