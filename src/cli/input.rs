@@ -14,6 +14,7 @@ use untangle::{
     intersect::SearchEnd,
     mesh::{Mesh, MeshError, VertexId},
     settings::Settings,
+    sides::Layers,
     stage::StageObserver,
     weld::{Weld, WeldError},
 };
@@ -111,6 +112,16 @@ impl Input {
         let frame = Frame::new(&mesh, &weld.gather(&positions))
             .map_err(|source| locate(source, &weld, files, &file_vertices))?;
         Ok(Self { weld, mesh, positions, frame })
+    }
+
+    /// What is outwards of layers is decided by this state, for all that follow from it.
+    pub(super) fn decided(self) -> Self {
+        Self { mesh: Layers::decide(self.mesh, &self.frame), ..self }
+    }
+
+    /// What is outwards of layers is what it is in another state.
+    pub(super) fn with_outwards(self, outwards: Option<&[bool]>) -> Self {
+        Self { mesh: self.mesh.with_outwards(outwards), ..self }
     }
 
     /// Coordinates of vertices of the mesh that are not zero, but so small that they count as zero.

@@ -146,6 +146,8 @@ pub(crate) fn fix<'py>(
         return Err(PyValueError::new_err("gap must be a positive number of metres"));
     }
     let (mesh, positions) = cloth.read()?;
+    let start = Frame::new(&mesh, &positions).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let mesh = Layers::decide(mesh, &start);
     let settings = RelaxSettings { effort, max_iterations, single_precision };
     let mut raised = None;
     let (repaired, verdict) = py.detach(|| {

@@ -144,7 +144,7 @@ fn world(args: &FixArgs, files: &[MeshFile], roles: &Roles) -> Result<(Input, Ve
     let num_vertices = files.iter().map(|file| file.positions().len()).sum();
     let pins = args.pin.as_deref().map(|path| pins::read(path, num_vertices)).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
-    Ok((Input::new(files, world, args.weld)?, pins))
+    Ok((Input::new(files, world, args.weld)?.decided(), pins))
 }
 
 fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {

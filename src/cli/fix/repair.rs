@@ -110,6 +110,7 @@ impl Repair<'_> {
         world.description.pins = self.pins.to_vec();
         // What was one place is one place: the weld of the input is that of the output.
         let input = Input::with_weld(&meshes, world, start.weld.clone()).map_err(FixError::ReadBack)?;
+        let input = input.with_outwards(start.mesh.outwards());
         let analysis = analyse(&input.mesh, &input.frame);
         let counts = Counts::new(&analysis, self.roles, &input, Certificate::of(&meshes, self.roles, &input));
         Ok(Written { staged, counts, analysis, input })

@@ -74,6 +74,8 @@ impl View {
                     make_fan(&mut description, &surface, polygon as usize, start);
                 }
                 let mesh = Mesh::new(state.weld.describe(&description)).ok()?;
+                // A fan has as many triangles as the polygon had, and they point the same way.
+                let mesh = mesh.with_outwards(state.mesh.outwards());
                 let frame = frame_of(state, &mesh, single_precision)?;
                 let mut found = Intersections::default();
                 Intersector::default().intersect(&mesh, &frame, &mut found);

@@ -20,7 +20,8 @@ pub struct RoleArgs {
     #[arg(long = "body", value_name = "FILE")]
     pub bodies: Vec<PathBuf>,
     /// The FILEs are layers, the innermost first: each belongs outside of those before it, as far as they lie over each
-    /// other
+    /// other. Outside is away from the bodies, else out of the tube that a garment forms; a flat sheet has its outside
+    /// where its faces point
     #[arg(long)]
     pub layers: bool,
 }

@@ -34,6 +34,9 @@ pub(super) struct Shot {
     /// Positions of the FILEs and bodies as they are, `num_vertices x 3`: the pose of reference for directions of the
     /// material.
     pub(super) reference: Vec<[f64; 3]>,
+    /// For each face whether it points outwards of its layer, by the first frame of the cache, whatever frames are
+    /// asked for; nothing without layers.
+    outwards: Option<Vec<bool>>,
     /// The frames that are asked for.
     pub(super) part: RangeInclusive<u64>,
 }
@@ -79,7 +82,7 @@ impl Shot {
             }
         }
         let reference = files.iter().chain(&roles.bodies).flat_map(MeshFile::positions).copied().collect();
-        Ok(Self {
+        let mut shot = Self {
             files,
             roles,
             cache,
@@ -90,8 +93,16 @@ impl Shot {
             gap,
             certify_gap: false,
             reference,
+            outwards: None,
             part,
-        })
+        };
+        if role_args.layers {
+            let first = *shot.cache.frames().start();
+            let (own, roles) = shot.read(first)?;
+            let State { input, .. } = shot.state(first, &roles, own.positions())?;
+            shot.outwards = input.decided().mesh.outwards().map(<[bool]>::to_vec);
+        }
+        Ok(shot)
     }
 
     /// All files that are read.
@@ -131,7 +142,7 @@ impl Shot {
         let files = split(&self.files, positions).map_err(|source| self.failed(frame, source))?;
         let input = roles.join(&[self.cache.file(frame)], &files).and_then(|mut world| {
             world.description.pins.clone_from(&self.pins);
-            Input::new(&files, world, self.weld)
+            Ok(Input::new(&files, world, self.weld)?.with_outwards(self.outwards.as_deref()))
         });
         let input = input.map_err(|source| self.bad_input(frame, source))?;
         Ok(State { files, roles: roles.clone(), input })

@@ -8,6 +8,7 @@ use untangle::{
     mesh::Mesh,
     paths::{IntersectionPaths, PathFinder},
     relax::{RelaxSettings, Relaxation, relax_until},
+    sides::Layers,
     stage::{Stage, StageObserver},
 };
 use untangled_proto::{
@@ -103,7 +104,9 @@ pub(super) fn solve(task: &Task<'_>, should_stop: ShouldStop<'_>) -> (RepairHead
 /// Relaxes until a state is certified, or nothing helps. Gives back the number of iterations, and whether it was
 /// stopped.
 fn run_rounds(task: &Task<'_>, best: &mut Reached, should_stop: ShouldStop<'_>) -> (usize, bool) {
-    let Task { mesh, precision, .. } = *task;
+    let Task { precision, .. } = *task;
+    // A round must not turn round what the frame said.
+    let mesh = &Layers::decide(task.mesh.clone(), &best.frame);
     let mut num_iterations = 0;
     let mut start = task.positions.to_vec();
     for _ in 0..MOST_ROUNDS {

@@ -30,7 +30,7 @@ fn write_outfit(folder: &std::path::Path, around: u32) {
 }
 
 /// Vertices of layers that are behind one of those before them in the list, by the judge.
-fn num_behind(folder: &std::path::Path, files: &[&str], positions: &[[f64; 3]]) -> usize {
+pub(super) fn num_behind(folder: &std::path::Path, files: &[&str], positions: &[[f64; 3]]) -> usize {
     let mut inner: Vec<Vec<[u32; 3]>> = Vec::new();
     let (mut first, mut num_behind) = (0, 0);
     for file in files {

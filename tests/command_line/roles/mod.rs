@@ -1,6 +1,7 @@
 //! `--body` and `--layers` of `untangled check` and `untangled fix`.
 
 mod bodies;
+mod flat_layers;
 mod known_cases;
 mod layers;
 

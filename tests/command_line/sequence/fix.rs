@@ -150,3 +150,57 @@ fn fix_of_layers_in_one_cache_parts_them_in_each_frame() {
     assert!(reported.iter().all(|line| behind(line, "after") == 0 && line["clean"] == true));
     assert!(totals["smoothness"]["max_ratio_to_smooth"].as_f64() < Some(6.0), "{totals}");
 }
+
+/// Two layers that roll up from flat to more than half a turn, towards the side of their faces, the outer one dented
+/// through the inner one in some frames.
+fn rolling(frame: u32) -> [Sheet; 2] {
+    let turn = 0.25 * f64::from(frame);
+    [false, true].map(|is_outer| {
+        let mut sheet = Sheet::default();
+        sheet.add_grid([0.0, 1.0], [0.0, 1.0], [12, 12], |x, y| {
+            let dent = 0.033 * (-40.0 * ((x - 0.5).powi(2) + (y - 0.5).powi(2))).exp();
+            let dent = if (8..=10).contains(&frame) { dent } else { 0.0 };
+            let height = if is_outer { 0.03 - dent } else { 0.0 };
+            let angle = turn * (x - 0.5);
+            let [across, up] =
+                if turn > 0.0 { [angle.sin() / turn, (1.0 - angle.cos()) / turn] } else { [x - 0.5, 0.0] };
+            [across - height * angle.sin(), y, up + height * angle.cos()]
+        });
+        sheet
+    })
+}
+
+#[test]
+fn fix_of_flat_layers_that_roll_up_keeps_what_is_outwards_in_the_first_frame_in_parts_too() {
+    let folder = folder();
+    let path = folder.path();
+    for (name, sheet) in ["a.obj", "b.obj"].into_iter().zip(rolling(0)) {
+        fs::write(path.join(name), obj(&sheet, false)).unwrap();
+    }
+    let frames: Vec<Sheet> = (0..16)
+        .map(|frame| {
+            let [mut both, outer] = rolling(frame);
+            both.positions.extend(outer.positions);
+            both
+        })
+        .collect();
+    fs::write(path.join("rolling.pc2"), pc2(&frames)).unwrap();
+    let layers = ["a.obj", "b.obj", "--layers", "--cache", "rolling.pc2", "--json"];
+    for part in ["0..15", "9..15", "14..15"] {
+        let (reported, _) = lines(&run(&[&["check"], &layers[..], &["--frames", part]].concat(), path));
+        for line in reported {
+            let expected = u64::from((8..=10).contains(&line["frame"].as_u64().unwrap()));
+            assert_eq!(line["before"]["layers"][1]["num_vertices_behind"], expected, "{part}: {line}");
+        }
+    }
+    for (part, out) in [("0..15", "whole.pc2"), ("0..8", "first.pc2"), ("9..15", "last.pc2")] {
+        let output = run(&[&["fix"], &layers[..], &["--frames", part, "-o", out]].concat(), path);
+        let (reported, totals) = lines(&output);
+        assert_eq!(code(&output), 0, "{part}: {totals}");
+        for line in reported {
+            assert!(line["max_displacement_m"].as_f64() < Some(0.006), "{part}: {line}");
+        }
+    }
+    let [whole, first, last] = ["whole.pc2", "first.pc2", "last.pc2"].map(|name| fs::read(path.join(name)).unwrap());
+    assert!(frames_of(&whole) == [frames_of(&first), frames_of(&last)].concat());
+}

@@ -54,6 +54,7 @@ impl Mesh {
             is_pinned,
             is_body,
             layers,
+            outwards: None,
         };
         mesh.manifold = mesh.manifold && mesh.vertex_ids().all(|vertex| mesh.is_one_fan(vertex));
         mesh.is_solid_piece = mesh.find_solid_pieces();

@@ -30,6 +30,8 @@ pub struct Mesh {
     /// One for each vertex, or empty if there is no body.
     pub(super) is_body: Vec<bool>,
     pub(super) layers: Option<Vec<u32>>,
+    /// One for each face, where it is decided.
+    pub(super) outwards: Option<Vec<bool>>,
 }
 
 impl Mesh {
@@ -261,5 +263,22 @@ impl Mesh {
     #[must_use]
     pub fn layers(&self) -> Option<&[u32]> {
         self.layers.as_deref()
+    }
+
+    /// For each face whether its normal points outwards of its layer, where that was decided for good; see
+    /// [`Layers::decide`](crate::sides::Layers::decide).
+    #[must_use]
+    pub fn outwards(&self) -> Option<&[bool]> {
+        self.outwards.as_deref()
+    }
+
+    /// The same mesh with what is outwards decided, or open again: one entry for each face.
+    ///
+    /// # Panics
+    /// If there are more or less entries than faces.
+    #[must_use]
+    pub fn with_outwards(self, outwards: Option<&[bool]>) -> Self {
+        assert!(outwards.is_none_or(|outwards| outwards.len() == self.num_faces()), "one entry for each face");
+        Self { outwards: outwards.map(<[bool]>::to_vec), ..self }
     }
 }

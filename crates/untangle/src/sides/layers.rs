@@ -4,7 +4,10 @@
 //! vertex on its inner side. Where the closest point is on the boundary the vertex lies beyond the layer, not over it:
 //! a collar above a collar, a trouser leg below a hem. Outwards is away from the bodies, where there are any; else it
 //! is where a piece winds less round a point: a shirt that is open at its hems still winds round what is in it. A flat
-//! sheet says by its faces what is outwards.
+//! sheet says by its faces what is outwards: a dent in it winds round something too, on whichever side it is.
+//!
+//! What is outwards is decided once, from the input, and goes on with the mesh ([`Layers::decide`]): a repair bends
+//! sheets, and a state of it must not turn round what the input said.
 
 use std::collections::BTreeMap;
 
@@ -27,6 +30,9 @@ const SAMPLES: usize = 256;
 const NONE: f64 = 1e-9;
 /// Votes that sum to less than this part of the area are none: the faces as given are.
 const UNDECIDED: f64 = 1e-3;
+/// A piece is a flat sheet if its area vectors sum to more than this part of its area: an arc of less than a quarter
+/// turn, a cap of less than 37 degrees to each side.
+const FLAT: f64 = 0.9;
 /// Coinciding points, as a part of the diagonal.
 const TINY: f64 = 1e-10;
 
@@ -35,8 +41,8 @@ const TINY: f64 = 1e-10;
 pub struct Layers {
     /// By number, ascending.
     layers: Vec<Layer>,
-    /// For each face 1 where its normal points outwards, else -1.
-    outwards: Vec<f64>,
+    /// For each face whether its normal points outwards.
+    outwards: Vec<bool>,
 }
 
 #[derive(Debug)]
@@ -47,9 +53,11 @@ struct Layer {
 }
 
 impl Layers {
-    /// The layers of a mesh; nothing where there are less than two. `frame` is the state by which outwards is told.
+    /// The layers of a mesh; nothing where there are less than two. `frame` is the state by which outwards is told, if
+    /// the mesh does not say it ([`Mesh::outwards`]).
     ///
-    /// Cost: linear in the faces, and for each piece 256 winding numbers or closest points of bodies.
+    /// Cost: linear in the faces, and for each piece of which it is not known what is outwards 256 winding numbers or
+    /// closest points of bodies.
     #[must_use]
     pub fn of(mesh: &Mesh, frame: &Frame, bodies: Option<&Sides>) -> Option<Self> {
         let numbers = mesh.layers()?;
@@ -69,7 +77,22 @@ impl Layers {
             Layer { number, faces, reach_m: REACH * (high - low).norm() }
         };
         let layers = faces.into_iter().map(layer).collect();
-        Some(Self { layers, outwards: outwards(mesh, frame, bodies) })
+        let outwards = mesh.outwards().map_or_else(|| outwards(mesh, frame, bodies), <[bool]>::to_vec);
+        Some(Self { layers, outwards })
+    }
+
+    /// The mesh, with what is outwards decided by a state, for all states that follow from it: rounds of a repair, what
+    /// is read back, frames of a shot. A mesh without layers, and one of which it is decided, stays as it is.
+    ///
+    /// Cost: that of [`Layers::of`], and one of the sides of bodies.
+    #[must_use]
+    pub fn decide(mesh: Mesh, frame: &Frame) -> Mesh {
+        if mesh.layers().is_none() || mesh.outwards().is_some() {
+            return mesh;
+        }
+        let layers = Self::of(&mesh, frame, Sides::of(&mesh, frame).as_ref());
+        let outwards = layers.map(|layers| layers.outwards);
+        mesh.with_outwards(outwards.as_deref())
     }
 
     /// The vertices of cloth that are behind an inner layer, ascending, each once: behind the layer that it is deepest
@@ -155,7 +178,7 @@ impl<'a> LayerState<'a> {
     fn unit(&self, face: FaceId) -> Vector3<f64> {
         let [a, b, c] = self.mesh.face(face).map(|vertex| self.positions[vertex.index()]);
         let unit = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-        unit * self.layers.outwards[face.index()]
+        if self.layers.outwards[face.index()] { unit } else { -unit }
     }
 
     fn angle(&self, face: FaceId, vertex: VertexId) -> f64 {
@@ -167,8 +190,8 @@ impl<'a> LayerState<'a> {
     }
 }
 
-/// For each face 1 where its normal points outwards, else -1.
-fn outwards(mesh: &Mesh, frame: &Frame, bodies: Option<&Sides>) -> Vec<f64> {
+/// For each face whether its normal points outwards.
+fn outwards(mesh: &Mesh, frame: &Frame, bodies: Option<&Sides>) -> Vec<bool> {
     let orientation = Orientation::of(mesh);
     let mut pieces: Vec<Vec<FaceId>> = vec![Vec::new(); mesh.num_pieces()];
     for face in mesh.face_ids().filter(|&face| !mesh.is_body_face(face)) {
@@ -176,36 +199,73 @@ fn outwards(mesh: &Mesh, frame: &Frame, bodies: Option<&Sides>) -> Vec<f64> {
             pieces[piece.index()].push(face);
         }
     }
-    let mut outwards = vec![1.0; mesh.num_faces()];
+    let mut outwards = vec![true; mesh.num_faces()];
     for faces in &pieces {
-        let turned = |face: FaceId| {
-            let [a, b, c] = mesh.face(face).map(|vertex| frame.position(vertex));
-            if orientation.is_reversed(face) { [a, c, b] } else { [a, b, c] }
-        };
-        let winding = WindingTree::new(&faces.iter().map(|&face| turned(face)).collect::<Vec<_>>());
+        let piece = Piece { mesh, frame, orientation: &orientation, faces };
+        let is_outwards = piece.is_outwards(bodies);
+        for &face in faces {
+            outwards[face.index()] = is_outwards != orientation.is_reversed(face);
+        }
+    }
+    outwards
+}
+
+/// A piece of cloth, its faces turned so that they agree.
+struct Piece<'a> {
+    mesh: &'a Mesh,
+    frame: &'a Frame,
+    orientation: &'a Orientation,
+    faces: &'a [FaceId],
+}
+
+impl Piece<'_> {
+    /// Whether the turned faces point outwards.
+    fn is_outwards(&self, bodies: Option<&Sides>) -> bool {
+        let (mut sum, mut total, mut as_given) = (Vector3::zeros(), 0.0, 0.0);
+        for &face in self.faces {
+            let area = self.area(face);
+            sum += area;
+            total += area.norm();
+            as_given += if self.orientation.is_reversed(face) { -area.norm() } else { area.norm() };
+        }
+        // Most of the area; the lowest face where both are the same.
+        let as_given = as_given >= 0.0;
+        if bodies.is_none() && sum.norm() > FLAT * total {
+            return as_given;
+        }
+        let votes = self.votes(bodies);
+        if votes.abs() < UNDECIDED { as_given } else { votes > 0.0 }
+    }
+
+    /// The mean of the votes of some faces, positive where they point outwards: by the way to the bodies, or by how
+    /// far the piece winds round its own faces.
+    fn votes(&self, bodies: Option<&Sides>) -> f64 {
+        let winding = WindingTree::new(&self.faces.iter().map(|&face| self.turned(face)).collect::<Vec<_>>());
         let vote = |&face: &FaceId| {
-            let [a, b, c] = turned(face);
+            let [a, b, c] = self.turned(face);
             let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-            let area = 0.5 * (b - a).cross(&(c - a));
             match bodies {
                 Some(bodies) => {
                     let is_inside = bodies.is_inside(middle);
                     let way = if is_inside { bodies.way_out(middle) } else { bodies.closest(middle, false) };
-                    area.dot(&way.direction)
+                    self.area(face).dot(&way.direction)
                 }
-                None => area.norm() * winding.number(middle),
+                None => self.area(face).norm() * winding.number(middle),
             }
         };
-        let step = faces.len() / SAMPLES + 1;
-        let votes: Vec<f64> = faces.par_iter().step_by(step).map(vote).collect();
-        let areas = faces.iter().step_by(step).map(|&face| {
-            let [a, b, c] = turned(face);
-            0.5 * (b - a).cross(&(c - a)).norm()
-        });
-        let sign = if votes.iter().sum::<f64>() < -UNDECIDED * areas.sum::<f64>() { -1.0 } else { 1.0 };
-        for &face in faces {
-            outwards[face.index()] = if orientation.is_reversed(face) { -sign } else { sign };
-        }
+        let step = self.faces.len() / SAMPLES + 1;
+        let votes: Vec<f64> = self.faces.par_iter().step_by(step).map(vote).collect();
+        let area: f64 = self.faces.iter().step_by(step).map(|&face| self.area(face).norm()).sum();
+        if area > 0.0 { votes.iter().sum::<f64>() / area } else { 0.0 }
     }
-    outwards
+
+    fn turned(&self, face: FaceId) -> [Point3<f64>; 3] {
+        let [a, b, c] = self.mesh.face(face).map(|vertex| self.frame.position(vertex));
+        if self.orientation.is_reversed(face) { [a, c, b] } else { [a, b, c] }
+    }
+
+    /// The area vector of a turned face.
+    fn area(&self, face: FaceId) -> Vector3<f64> {
+        0.5 * self.orientation.area(self.mesh, self.frame, face)
+    }
 }

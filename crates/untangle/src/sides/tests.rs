@@ -184,3 +184,41 @@ fn behind_an_inner_layer_are_vertices_within_it_and_none_beyond_its_hems_however
         }
     }
 }
+
+/// Two square sheets, the second one 0.05 m over the faces of the first, rolled up by an angle towards it.
+fn rolled(turn: f64) -> Vec<[f64; 3]> {
+    let place = |height: f64, step: u32| {
+        let angle = turn * (f64::from(step % 13) / 12.0 - 0.5);
+        let radius = 1.0 / turn - height;
+        [radius * angle.sin(), f64::from(step / 13) / 12.0, 1.0 / turn - radius * angle.cos()]
+    };
+    [0.0, 0.05].into_iter().flat_map(|height| (0..169).map(move |step| place(height, step))).collect()
+}
+
+#[test]
+fn behind_a_sheet_is_by_its_faces_while_it_is_flat_and_by_what_was_decided_once_it_is_rolled_up() {
+    let square = |step: u32| {
+        let at = step / 12 * 13 + step % 12;
+        [[at, at + 1, at + 14], [at, at + 14, at + 13]]
+    };
+    let sheet: Vec<[u32; 3]> = (0..144).flat_map(square).collect();
+    let outer = sheet.iter().map(|face| face.map(|corner| corner + 169));
+    // A third of the faces, the first one among them, points the other way.
+    let turn = |(index, &[a, b, c]): (usize, &[u32; 3])| if index % 3 == 0 { [a, c, b] } else { [a, b, c] };
+    let faces = sheet.iter().enumerate().map(turn).chain(outer).collect();
+    let layers = Some((0..338).map(|vertex| u32::from(vertex >= 169)).collect());
+    let open = Mesh::new(MeshDescription { num_vertices: 338, faces, layers, ..Default::default() }).unwrap();
+    let num_behind = |mesh: &Mesh, positions: &[[f64; 3]]| {
+        let frame = Frame::new(mesh, positions).unwrap();
+        Layers::of(mesh, &frame, None).unwrap().behind(mesh, frame.positions()).len()
+    };
+    for turn in [1e-3, 0.01, 0.1, 1.0, 1.5, -1e-3, -0.1, -1.5] {
+        assert_eq!(num_behind(&open, &rolled(turn)), 0, "{turn}");
+    }
+    // Rolled up towards the outer sheet, the inner one winds round it.
+    assert!(num_behind(&open, &rolled(3.5)) > 100);
+    let decided = Layers::decide(open.clone(), &Frame::new(&open, &rolled(0.1)).unwrap());
+    assert_eq!(num_behind(&decided, &rolled(3.5)), 0);
+    let again = Layers::decide(decided.clone(), &Frame::new(&open, &rolled(3.5)).unwrap());
+    assert_eq!(again.outwards(), decided.outwards());
+}

@@ -57,7 +57,7 @@ impl SideChooser {
 }
 
 /// Each edge that pierces a face of another layer has one vote: its end behind an inner layer, or in front of an outer
-/// one, is inside.
+/// one, is inside. Faces look outwards, unless the mesh says otherwise.
 fn by_layers(flood: &Flood, view: &FrameView<'_>, layers: &[u32], points: &[PathPoint]) -> Option<usize> {
     let mut votes = [0usize; 2];
     for point in points {
@@ -65,11 +65,13 @@ fn by_layers(flood: &Flood, view: &FrameView<'_>, layers: &[u32], points: &[Path
             continue;
         };
         let [a, b, c] = view.mesh.face(face);
+        let behind =
+            if view.mesh.outwards().is_none_or(|outwards| outwards[face.index()]) { Side::Below } else { Side::Above };
         let wrong_side = |vertex: VertexId| {
             let (own, partner) = (layers[vertex.index()], layers[a.index()]);
             let side =
                 side_of_plane(view.frame.site(a), view.frame.site(b), view.frame.site(c), view.frame.site(vertex));
-            (own != partner).then_some((side == Side::Below) == (own > partner))
+            (own != partner).then_some((side == behind) == (own > partner))
         };
         for end in view.mesh.edge(edge) {
             if let (Some(wrong), Some(side)) = (wrong_side(end), flood.side_of(end)) {
