@@ -86,30 +86,29 @@ impl Cloth {
         self.seams.as_ref().map_or(1.0, |seams| seams.shares[host_vertex])
     }
 
-    /// Puts the host's vertices into `host` that some vertices of the mesh are, ascending.
-    pub(crate) fn host_vertices(&self, vertices: &[VertexId], host: &mut Vec<VertexId>) {
+    /// The host's vertices that some vertices of the mesh are, ascending; `host` is memory for welded ones.
+    pub(crate) fn host_vertices<'a>(&self, vertices: &'a [VertexId], host: &'a mut Vec<VertexId>) -> &'a [VertexId] {
+        let Some(weld) = self.weld() else { return vertices };
         host.clear();
-        match self.weld() {
-            Some(weld) => {
-                host.extend(vertices.iter().flat_map(|&vertex| weld.copies(vertex)).map(|&copy| VertexId(copy)));
-                host.sort_unstable();
-            }
-            None => host.extend_from_slice(vertices),
-        }
+        host.extend(vertices.iter().flat_map(|&vertex| weld.copies(vertex)).map(|&copy| VertexId(copy)));
+        host.sort_unstable();
+        host
     }
 
-    /// Puts labels of vertices of the mesh into `host` as those of the host's vertices, ascending by vertex and label.
-    pub(crate) fn host_labels(&self, labels: &[VertexLabel], host: &mut Vec<VertexLabel>) {
+    /// Labels of vertices of the mesh as those of the host's vertices, ascending by vertex and label; `host` is memory
+    /// for those of welded ones.
+    pub(crate) fn host_labels<'a>(
+        &self,
+        labels: &'a [VertexLabel],
+        host: &'a mut Vec<VertexLabel>,
+    ) -> &'a [VertexLabel] {
+        let Some(weld) = self.weld() else { return labels };
         host.clear();
-        match self.weld() {
-            Some(weld) => {
-                host.extend(labels.iter().flat_map(|label| {
-                    weld.copies(label.vertex).iter().map(|&copy| VertexLabel { vertex: VertexId(copy), ..*label })
-                }));
-                host.sort_unstable_by_key(|label| (label.vertex, label.label));
-            }
-            None => host.extend_from_slice(labels),
-        }
+        host.extend(labels.iter().flat_map(|label| {
+            weld.copies(label.vertex).iter().map(|&copy| VertexLabel { vertex: VertexId(copy), ..*label })
+        }));
+        host.sort_unstable_by_key(|label| (label.vertex, label.label));
+        host
     }
 }
 
@@ -134,12 +133,13 @@ mod tests {
             ["4", "1", "2", "3", "2", "4"]
         );
         let mut host = Vec::new();
-        cloth.host_vertices(&[VertexId(1), VertexId(2)], &mut host);
-        assert_eq!(host, [1, 2, 3, 4].map(VertexId));
+        let found = cloth.host_vertices(&[VertexId(1), VertexId(2)], &mut host);
+        assert_eq!(found, [1, 2, 3, 4].map(VertexId));
         let mut labels = Vec::new();
         let label = |vertex, label| VertexLabel { vertex: VertexId(vertex), label };
-        cloth.host_labels(&[label(1, 9), label(1, 13), label(2, 9)], &mut labels);
+        let own = [label(1, 9), label(1, 13), label(2, 9)];
+        let found = cloth.host_labels(&own, &mut labels);
         let expected = [label(1, 9), label(1, 13), label(2, 9), label(3, 9), label(3, 13), label(4, 9)];
-        assert_eq!(labels, expected);
+        assert_eq!(found, expected);
     }
 }

@@ -41,15 +41,10 @@ pub(crate) fn refused(state: &StateHeader, kind: CorrectionKind, fault: StateFau
     }
 }
 
-/// The header for a frame that was worked on; times are filled in last. `num_inside` vertices of the host are flagged
-/// inside.
-pub(crate) fn header(
-    state: &StateHeader,
-    kind: CorrectionKind,
-    outcome: &Outcome<'_>,
-    num_inside: usize,
-) -> CorrectionHeader {
-    let Outcome { analysis, corrections, .. } = outcome;
+/// The header for a frame that was worked on; times are filled in last.
+pub(crate) fn header(state: &StateHeader, outcome: &Outcome<'_>, values: &Values<'_>) -> CorrectionHeader {
+    let analysis = outcome.analysis;
+    let Values { cloth, corrections, kind, ref touched, .. } = *values;
     let mut num_pairs = [0; 16];
     for pair in &analysis.paths.pairs {
         num_pairs[pair_index(pair.pair_type)] += 1;
@@ -68,7 +63,7 @@ pub(crate) fn header(
         num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,
         num_face_pairs: analysis.intersections.segments.len() as u64,
         contour_length_m: analysis.paths.pairs.iter().map(|pair| pair.length_m).sum(),
-        num_inside: num_inside as u64,
+        num_inside: touched.num_inside(cloth, corrections) as u64,
         max_displacement_m: corrections.max_displacement_m,
         net_force_n: (corrections.net_force * per_second2).into(),
         net_torque_nm: (corrections.net_torque * per_second2).into(),
@@ -79,18 +74,31 @@ pub(crate) fn header(
     }
 }
 
-/// The host's vertices that a frame says something of, with their memory.
+/// Memory for what a frame says of the host's vertices, where these are welded.
 #[derive(Debug, Default)]
-pub(crate) struct Touched {
+pub(crate) struct TouchedMemory {
     vertices: Vec<VertexId>,
     labels: Vec<VertexLabel>,
 }
 
-impl Touched {
-    /// Takes those of a frame; how many of them are flagged inside.
-    pub(crate) fn take(&mut self, cloth: &Cloth, corrections: &Corrections) -> usize {
-        cloth.host_vertices(&corrections.touched, &mut self.vertices);
-        cloth.host_labels(&corrections.labels, &mut self.labels);
+/// The host's vertices that a frame says something of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touched<'a> {
+    vertices: &'a [VertexId],
+    labels: &'a [VertexLabel],
+}
+
+impl<'a> Touched<'a> {
+    /// Those of a frame: without welded vertices they are the mesh's own, and nothing is copied.
+    pub(crate) fn of(cloth: &Cloth, corrections: &'a Corrections, memory: &'a mut TouchedMemory) -> Self {
+        let TouchedMemory { vertices, labels } = memory;
+        let vertices = cloth.host_vertices(&corrections.touched, vertices);
+        let labels = cloth.host_labels(&corrections.labels, labels);
+        Self { vertices, labels }
+    }
+
+    /// How many of them are flagged inside.
+    fn num_inside(&self, cloth: &Cloth, corrections: &Corrections) -> usize {
         let flags = |vertex: &VertexId| corrections.flags[cloth.mesh_vertex(vertex.index()).index()];
         self.vertices.iter().filter(|vertex| flags(vertex).contains(VertexFlags::INSIDE)).count()
     }
@@ -101,7 +109,7 @@ impl Touched {
 pub(crate) struct Values<'a> {
     pub(crate) cloth: &'a Cloth,
     pub(crate) corrections: &'a Corrections,
-    pub(crate) touched: &'a Touched,
+    pub(crate) touched: Touched<'a>,
     pub(crate) kind: CorrectionKind,
     pub(crate) dt_s: f64,
 }
@@ -127,7 +135,7 @@ impl<'a> Values<'a> {
 
     /// Labels, ascending by vertex.
     pub(crate) fn labels(&self) -> &'a [VertexLabel] {
-        &self.touched.labels
+        self.touched.labels
     }
 }
 

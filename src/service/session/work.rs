@@ -23,7 +23,7 @@ use super::{
     ingest::{self, StateFault},
     paths::PathsPort,
     ports::{CorrectionPort, StatePort},
-    publish::{self, Touched, Values},
+    publish::{self, Touched, TouchedMemory, Values},
 };
 use crate::service::{
     repair::{RepairDesk, RepairWorkers},
@@ -43,7 +43,7 @@ pub(crate) struct Work {
     frame: Frame,
     /// Positions of the host's vertices, where these are welded.
     copied: Vec<[f64; 3]>,
-    touched: Touched,
+    touched: TouchedMemory,
     cloth: Arc<Cloth>,
     session: u64,
     correction: CorrectionKind,
@@ -62,7 +62,7 @@ impl Work {
         paths: PathsPort,
         repairs: Option<SessionRepairs>,
     ) -> Self {
-        let (frame, copied, touched) = (Frame::default(), Vec::new(), Touched::default());
+        let (frame, copied, touched) = (Frame::default(), Vec::new(), TouchedMemory::default());
         let (num_skipped_frames, last_frame) = (0, None);
         Self {
             corrections,
@@ -121,8 +121,14 @@ impl Work {
         let outcome = checked.and_then(|()| process_guarded(untangler, frame, clock).ok_or(PANICKED));
         let outcome = outcome.and_then(|outcome| limits.check(outcome));
         clock.begin_index(stage::PUBLISH);
+        let mut values = None;
         let mut header = match &outcome {
-            Ok(outcome) => publish::header(state, *kind, outcome, touched.take(cloth, outcome.corrections)),
+            Ok(outcome) => {
+                let corrections = outcome.corrections;
+                let touched = Touched::of(cloth, corrections, touched);
+                let values = values.insert(Values { cloth, corrections, touched, kind: *kind, dt_s: state.dt_s });
+                publish::header(state, outcome, values)
+            }
             Err(fault) => publish::refused(state, *kind, *fault),
         };
         header.num_vertices = u32::try_from(cloth.num_vertices()).unwrap_or(u32::MAX);
@@ -132,13 +138,6 @@ impl Work {
         if let Ok(outcome) = &outcome {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
-        let values = outcome.as_ref().ok().map(|outcome| Values {
-            cloth,
-            corrections: outcome.corrections,
-            touched,
-            kind: *kind,
-            dt_s: state.dt_s,
-        });
         if let Err(error) = port.send(&mut header, clock, record, values.as_ref()) {
             static LOST: Throttle = Throttle::new();
             if let Some(num_suppressed) = LOST.admit() {
