@@ -89,7 +89,8 @@ pub(in crate::relax) fn descend(
             least = (merit, iteration);
         }
         descent.stalled = iteration - least.1;
-        if descent.stalled >= if descent.motions.is_empty() { PATIENCE_WITHOUT_CONTOURS } else { PATIENCE } {
+        let has_contours = !descent.analysis.paths.pairs.is_empty();
+        if descent.stalled >= if has_contours { PATIENCE } else { PATIENCE_WITHOUT_CONTOURS } {
             break;
         }
         let positions = descent.step(relaxer, if iteration == 0 { 0.0 } else { REST_WEIGHT });
