@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -47,6 +48,16 @@ def test_newton_example_with_repairs_ends_clean(tmp_path):
     assert int(start) > 20 and (helped, after) == ("0", "0")
 
 
+@pytest.mark.parametrize(("rings", "warned"), [(2, 1), (1, 0)])
+def test_newton_solver_that_leaves_out_near_contacts_is_warned_of(rings, warned):
+    adapter = pytest.importorskip("untangled.hosts.newton", exc_type=ImportError)
+    solver = SimpleNamespace(particle_topological_contact_filter_threshold=rings)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        adapter._warn_of_contacts_left_out(solver)
+    assert len(caught) == warned and all("threshold=1" in str(warning.message) for warning in caught)
+
+
 def test_mujoco_example_with_repairs_ends_clean(tmp_path):
     start, helped, after = run("mujoco_towel.py", "mujoco", "repair", tmp_path)
     assert int(start) > 20 and (helped, after) == ("0", "0")
@@ -82,6 +93,16 @@ def test_late_repair_is_taken_only_where_it_leaves_fewer_intersections(sheets, h
 def test_repair_by_an_unknown_name_is_refused_in_words():
     with pytest.raises(ValueError, match="never, auto, always"):
         _repairs.with_repair(None, "sometimes")
+
+
+def test_leaning_scenes_are_tangled_and_clean_at_rest():
+    sys.path.insert(0, str(EXAMPLES))
+    from leaning import SCENES
+
+    for make in SCENES.values():
+        vertices, triangles, rest, _ = make()
+        assert untangled.analyse(vertices, triangles).num_intersections > 20
+        assert untangled.count_intersections(rest, triangles) == 0
 
 
 def test_towel_scene_is_tangled_and_its_rest_state_is_clean():

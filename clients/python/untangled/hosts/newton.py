@@ -2,7 +2,9 @@
 
 ::
 
-    solver = newton.solvers.SolverVBD(model, particle_enable_self_contact=True, ...)
+    solver = newton.solvers.SolverVBD(
+        model, particle_enable_self_contact=True, particle_topological_contact_filter_threshold=1, ...
+    )
     with untangled.hosts.newton.Untangler(model, solver, dt=dt) as untangler:
         for _ in range(num_steps):
             state_0.clear_forces()
@@ -21,12 +23,16 @@ Three things help, each where the one before does not:
   leads back. Where layers are pressed together the solver's own steps may tangle them again, and the next frame is
   repaired again: clients/python/README.md has tables.
 
+By default VBD leaves out contacts of elements within two rings of each other, and where a fold is sharp it tangles those
+again in every step: give it `particle_topological_contact_filter_threshold=1`.
+
 Arrays may be Warp's. Those of a GPU are copied: positions to the host and forces back in each step, positions and
 velocities back with a repair, and the contact lists there and back after each detection while anything is tangled.
 """
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Callable, Mapping, Optional
 
 import numpy as np
@@ -50,7 +56,8 @@ class Untangler:
 
     Args:
         model: with all cloth in it; particles without mass are taken for pinned.
-        solver: a SolverVBD with `particle_enable_self_contact=True`.
+        solver: a SolverVBD with `particle_enable_self_contact=True` and
+            `particle_topological_contact_filter_threshold=1`; warns where that is more.
         dt: length of a step in seconds.
         uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
         deadline: seconds to wait for a correction before the step goes on without.
@@ -83,6 +90,7 @@ class Untangler:
             raise TypeError(
                 "a SolverVBD with particle_enable_self_contact=True is needed: only its contacts can be masked"
             )
+        _warn_of_contacts_left_out(solver)
         self.model, self.solver, self.dt, self.deadline = model, solver, dt, deadline
         self.use_force, self.use_mask = use_force, use_mask
         self._triangles = model.tri_indices.numpy()
@@ -194,6 +202,16 @@ class Untangler:
         if self.session.has_labels:
             return self._contacts.edge_edge_off(self._edges[first], self._edges[second])
         return self._masked[self._edges[first]].any(axis=1) | self._masked[self._edges[second]].any(axis=1)
+
+
+def _warn_of_contacts_left_out(solver: Any) -> None:
+    rings = getattr(solver, "particle_topological_contact_filter_threshold", 0)
+    if rings > 1:
+        warnings.warn(
+            f"this solver leaves out contacts of elements within {rings} rings of each other: where cloth is folded "
+            "sharply, its steps tangle what is repaired; pass particle_topological_contact_filter_threshold=1",
+            stacklevel=3,
+        )
 
 
 def _on_host(values: Any) -> Any:
