@@ -4,9 +4,10 @@ use std::time::{Duration, Instant};
 
 use untangled_client::{ExchangeError, PublishError, Session, StepTime, WaitError};
 
-use super::{
+use untangled_bridge_lab::{
     cloth::Sheets,
     ends::{self, Bridged, PATIENCE, TestDomain},
+    proxy::Proxy,
 };
 
 const DEADLINE: Duration = Duration::from_millis(500);
@@ -118,4 +119,35 @@ fn nothing_is_left_after_all_have_ended() {
     bridged.daemon.stop();
     assert_eq!(near_host.shared_memory(), Vec::<String>::new());
     assert_eq!(near_daemon.shared_memory(), Vec::<String>::new());
+}
+
+#[test]
+fn session_is_back_within_two_seconds_after_a_partition_and_gets_no_wrong_answer() {
+    let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
+    let address = ends::free_address();
+    let _daemon = ends::serve(&near_daemon);
+    let _daemon_end = ends::daemon_end(&near_daemon, "far", address);
+    let proxy = Proxy::start(address);
+    let _host_end = ends::host_end(&near_host, "near", &[proxy.address]);
+    let sheets = Sheets::new(8);
+    let mut own = near_daemon.connect().register(sheets.registration()).unwrap();
+    let mut session = near_host.connect().register(sheets.registration()).unwrap();
+    let step = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
+    for partition_ms in [300, 1000, 2000, 4000] {
+        proxy.cut(true);
+        let begin = Instant::now();
+        while begin.elapsed() < Duration::from_millis(partition_ms) {
+            // States that are published meanwhile are lost, or arrive when they were overtaken.
+            let _ = exchange(&mut session, &sheets);
+        }
+        proxy.cut(false);
+        let back = until_back(&mut session, &sheets);
+        println!("back {back:?} after a partition of {partition_ms} ms");
+        assert!(back < Duration::from_secs(2), "back after {back:?}");
+        let positions = sheets.positions_f32(session.frame() + 1);
+        let [own, far] = [&mut own, &mut session].map(|session| {
+            session.exchange(step, PATIENCE, |to| to.copy_from_slice(&positions)).unwrap().vertices().to_vec()
+        });
+        assert_eq!(own, far);
+    }
 }

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{
+use untangled_bridge_lab::{
     cloth::Sheets,
     ends::{self, Bridged, PATIENCE, TestDomain},
 };

@@ -6,7 +6,7 @@ use untangled_client::{
     Correction, CorrectionHeader, Precision, Registration, RequestError, Session, StepTime, Uvs, VertexCorrection,
 };
 
-use super::{
+use untangled_bridge_lab::{
     cloth::Sheets,
     ends::{Bridged, PATIENCE},
 };

@@ -3,20 +3,20 @@
 use untangled_client::Registration;
 
 /// Two square sheets of `n x n` vertices each, one upright in the other.
-pub(crate) struct Sheets {
+pub struct Sheets {
     n: u32,
 }
 
 impl Sheets {
-    pub(crate) fn new(n: u32) -> Self {
+    pub fn new(n: u32) -> Self {
         Self { n }
     }
 
-    pub(crate) fn num_vertices(&self) -> usize {
+    pub fn num_vertices(&self) -> usize {
         2 * (self.n * self.n) as usize
     }
 
-    pub(crate) fn registration(&self) -> Registration {
+    pub fn registration(&self) -> Registration {
         let n = self.n;
         let mut triangles = Vec::new();
         for first in [0, n * n] {
@@ -31,7 +31,7 @@ impl Sheets {
     }
 
     /// Positions of a frame. In one frame of eight the sheets are apart.
-    pub(crate) fn positions(&self, frame: u64) -> Vec<[f64; 3]> {
+    pub fn positions(&self, frame: u64) -> Vec<[f64; 3]> {
         let n = self.n;
         let time = frame as f64 / 16.0;
         let lift = if frame % 8 == 7 { 3.0 } else { 0.3 * time.sin() };
@@ -49,7 +49,7 @@ impl Sheets {
         positions
     }
 
-    pub(crate) fn positions_f32(&self, frame: u64) -> Vec<[f32; 3]> {
+    pub fn positions_f32(&self, frame: u64) -> Vec<[f32; 3]> {
         self.positions(frame).into_iter().map(|position| position.map(|value| value as f32)).collect()
     }
 }

@@ -14,28 +14,28 @@ use untangled_client::{Client, ClientOptions};
 use untangled_transport::{Domain, memory};
 
 /// Longest wait for something that has to happen; a busy machine is slow.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A domain that no other test uses. Dropping it removes its files.
-pub(crate) struct TestDomain(pub(crate) Domain);
+pub struct TestDomain(pub Domain);
 
 impl TestDomain {
-    pub(crate) fn new() -> Self {
+    pub fn new() -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let name = format!("br-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         Self(Domain::locate(Some(&name)).unwrap())
     }
 
-    pub(crate) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         self.0.name()
     }
 
-    pub(crate) fn connect(&self) -> Client {
+    pub fn connect(&self) -> Client {
         Client::connect(ClientOptions { domain: Some(self.name().to_owned()), timeout: PATIENCE }).unwrap()
     }
 
     /// Names of the domain's files in shared memory.
-    pub(crate) fn shared_memory(&self) -> Vec<String> {
+    pub fn shared_memory(&self) -> Vec<String> {
         let names = fs::read_dir(memory::FOLDER).unwrap().flatten().filter_map(|entry| entry.file_name().into_string().ok());
         names.filter(|name| name.starts_with(self.0.prefix())).collect()
     }
@@ -52,10 +52,10 @@ impl Drop for TestDomain {
 }
 
 /// A process that has said `ready` on standard error. Dropping it kills it.
-pub(crate) struct Process(Child);
+pub struct Process(Child);
 
 impl Process {
-    pub(crate) fn start(mut command: Command) -> Self {
+    pub fn start(mut command: Command) -> Self {
         let name = format!("{command:?}");
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
@@ -70,17 +70,17 @@ impl Process {
         Self(child)
     }
 
-    pub(crate) fn kill(&mut self) {
+    pub fn kill(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 
-    pub(crate) fn id(&self) -> u32 {
+    pub fn id(&self) -> u32 {
         self.0.id()
     }
 
     /// Asks it to end, and waits.
-    pub(crate) fn stop(mut self) {
+    pub fn stop(mut self) {
         let pid = i32::try_from(self.0.id()).ok().and_then(rustix::process::Pid::from_raw).unwrap();
         rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
         let begin = Instant::now();
@@ -91,7 +91,7 @@ impl Process {
     }
 
     /// Resident memory in bytes, without the shared memory that it has mapped.
-    pub(crate) fn memory(&self) -> u64 {
+    pub fn memory(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.0.id())).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:")).unwrap_or("0 kB");
         1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap_or(0)
@@ -105,40 +105,55 @@ impl Drop for Process {
 }
 
 /// The program `untangled`.
-pub(crate) fn untangled() -> PathBuf {
+pub fn untangled() -> PathBuf {
     if let Some(program) = env::var_os("BRIDGE_TEST_DAEMON") {
         return program.into();
     }
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target");
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target");
     let programs = ["debug", "release"].map(|profile| folder.join(profile).join("untangled"));
     let newest = programs.iter().filter(|program| program.is_file()).max_by_key(|program| fs::metadata(program).unwrap().modified().unwrap());
     newest.unwrap_or_else(|| panic!("there is no daemon: `cargo build -p untangled` in the folder above, {programs:?}")).clone()
 }
 
-pub(crate) fn serve(domain: &TestDomain) -> Process {
+pub fn serve(domain: &TestDomain) -> Process {
     let mut command = Command::new(untangled());
     command.args(["serve", "--domain", domain.name()]);
     Process::start(command)
 }
 
-pub(crate) fn bridge(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_untangled-bridge"));
+/// The program `untangled-bridge` of the build that this program belongs to.
+///
+/// # Panics
+/// If it is not there.
+pub fn bridge_program() -> PathBuf {
+    let own = env::current_exe().unwrap();
+    let folder = own.parent().unwrap();
+    // Tests lie one folder deeper than programs.
+    let folder = if folder.ends_with("deps") { folder.parent().unwrap() } else { folder };
+    let program = folder.join("untangled-bridge");
+    assert!(program.is_file(), "there is no {}: build it with the profile of this program", program.display());
+    program
+}
+
+/// A command of the bridge's program.
+pub fn bridge(arguments: &[&str]) -> Command {
+    let mut command = Command::new(bridge_program());
     // Not the configuration of whoever runs the test.
     command.args(arguments).env("XDG_CONFIG_HOME", "/nonexistent");
     command
 }
 
 /// An address that nobody listens on.
-pub(crate) fn free_address() -> SocketAddr {
+pub fn free_address() -> SocketAddr {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
 }
 
-pub(crate) fn daemon_end(domain: &TestDomain, name: &str, address: SocketAddr) -> Process {
+pub fn daemon_end(domain: &TestDomain, name: &str, address: SocketAddr) -> Process {
     let address = address.to_string();
     Process::start(bridge(&["daemon", "--domain", domain.name(), "--name", name, "--listen", &address]))
 }
 
-pub(crate) fn host_end(domain: &TestDomain, name: &str, addresses: &[SocketAddr]) -> Process {
+pub fn host_end(domain: &TestDomain, name: &str, addresses: &[SocketAddr]) -> Process {
     let mut command = bridge(&["host", "--domain", domain.name(), "--name", name]);
     for address in addresses {
         command.args(["--connect", &address.to_string()]);
@@ -147,17 +162,17 @@ pub(crate) fn host_end(domain: &TestDomain, name: &str, addresses: &[SocketAddr]
 }
 
 /// A daemon, a bridge, and the domains at both ends.
-pub(crate) struct Bridged {
-    pub(crate) host_end: Process,
-    pub(crate) daemon_end: Process,
-    pub(crate) daemon: Process,
-    pub(crate) address: SocketAddr,
-    pub(crate) near_host: TestDomain,
-    pub(crate) near_daemon: TestDomain,
+pub struct Bridged {
+    pub host_end: Process,
+    pub daemon_end: Process,
+    pub daemon: Process,
+    pub address: SocketAddr,
+    pub near_host: TestDomain,
+    pub near_daemon: TestDomain,
 }
 
 impl Bridged {
-    pub(crate) fn start() -> Self {
+    pub fn start() -> Self {
         let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
         let address = free_address();
         let daemon = serve(&near_daemon);

@@ -1,0 +1,10 @@
+//! What tests and measurements of the bridge share.
+//!
+//! Needs the daemon's program: `cargo build -p untangled` in the folder above, with any profile; or name another one by
+//! the environment variable `BRIDGE_TEST_DAEMON`.
+
+#![allow(clippy::unwrap_used, reason = "tests and measurements, which fail by panicking")]
+
+pub mod cloth;
+pub mod ends;
+pub mod proxy;
