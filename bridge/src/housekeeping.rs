@@ -21,8 +21,8 @@ impl Housekeeping {
             Finding::Left(removed) => tracing::info!(removed, "files that killed hosts left"),
             Finding::Failed(error) => tracing::warn!(%error, "looking for what killed hosts left"),
         });
-        let cleanup = cleanup
-            .map_err(|source| BridgeError::System { what: "starting the cleanup thread".to_owned(), source })?;
+        let cleanup =
+            cleanup.map_err(|source| BridgeError::System { what: "starting the cleanup thread".to_owned(), source })?;
         Ok(Self { _cleanup: cleanup })
     }
 }

@@ -17,26 +17,41 @@ use untangled_transport::{Domain, memory};
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A domain that no other test uses. Dropping it removes its files.
+#[derive(Debug)]
 pub struct TestDomain(pub Domain);
 
+impl Default for TestDomain {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl TestDomain {
+    /// Chooses a name that nobody else has; makes no file.
+    #[must_use]
     pub fn new() -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let name = format!("br-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         Self(Domain::locate(Some(&name)).unwrap())
     }
 
+    /// Its name.
+    #[must_use]
     pub fn name(&self) -> &str {
         self.0.name()
     }
 
+    /// A client in it.
+    #[must_use]
     pub fn connect(&self) -> Client {
         Client::connect(ClientOptions { domain: Some(self.name().to_owned()), timeout: PATIENCE }).unwrap()
     }
 
     /// Names of the domain's files in shared memory.
+    #[must_use]
     pub fn shared_memory(&self) -> Vec<String> {
-        let names = fs::read_dir(memory::FOLDER).unwrap().flatten().filter_map(|entry| entry.file_name().into_string().ok());
+        let names =
+            fs::read_dir(memory::FOLDER).unwrap().flatten().filter_map(|entry| entry.file_name().into_string().ok());
         names.filter(|name| name.starts_with(self.0.prefix())).collect()
     }
 }
@@ -52,29 +67,39 @@ impl Drop for TestDomain {
 }
 
 /// A process that has said `ready` on standard error. Dropping it kills it.
+#[derive(Debug)]
 pub struct Process(Child);
 
 impl Process {
+    /// Starts a command, and waits until it is ready.
+    #[must_use]
     pub fn start(mut command: Command) -> Self {
         let name = format!("{command:?}");
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut said = Vec::new();
-        let ready = lines.by_ref().map_while(Result::ok).inspect(|line| said.push(line.clone())).any(|line| line == "ready");
+        let ready =
+            lines.by_ref().map_while(Result::ok).inspect(|line| said.push(line.clone())).any(|line| line == "ready");
         assert!(ready, "{name} did not start: {said:?}");
         // Read on, so that it never blocks on its log.
         let shows = env::var_os("BRIDGE_TEST_LOG").is_some();
         std::thread::spawn(move || {
-            lines.map_while(Result::ok).filter(|line| shows || line.contains("panicked")).for_each(|line| eprintln!("{line}"));
+            lines
+                .map_while(Result::ok)
+                .filter(|line| shows || line.contains("panicked"))
+                .for_each(|line| eprintln!("{line}"));
         });
         Self(child)
     }
 
+    /// Kills it, and waits for its end.
     pub fn kill(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 
+    /// Its process.
+    #[must_use]
     pub fn id(&self) -> u32 {
         self.0.id()
     }
@@ -91,6 +116,7 @@ impl Process {
     }
 
     /// Resident memory in bytes, without the shared memory that it has mapped.
+    #[must_use]
     pub fn memory(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.0.id())).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:")).unwrap_or("0 kB");
@@ -105,16 +131,24 @@ impl Drop for Process {
 }
 
 /// The program `untangled`.
+#[must_use]
 pub fn untangled() -> PathBuf {
     if let Some(program) = env::var_os("BRIDGE_TEST_DAEMON") {
         return program.into();
     }
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target");
     let programs = ["debug", "release"].map(|profile| folder.join(profile).join("untangled"));
-    let newest = programs.iter().filter(|program| program.is_file()).max_by_key(|program| fs::metadata(program).unwrap().modified().unwrap());
-    newest.unwrap_or_else(|| panic!("there is no daemon: `cargo build -p untangled` in the folder above, {programs:?}")).clone()
+    let newest = programs
+        .iter()
+        .filter(|program| program.is_file())
+        .max_by_key(|program| fs::metadata(program).unwrap().modified().unwrap());
+    newest
+        .unwrap_or_else(|| panic!("there is no daemon: `cargo build -p untangled` in the folder above, {programs:?}"))
+        .clone()
 }
 
+/// A daemon in a domain.
+#[must_use]
 pub fn serve(domain: &TestDomain) -> Process {
     let mut command = Command::new(untangled());
     command.args(["serve", "--domain", domain.name()]);
@@ -125,6 +159,7 @@ pub fn serve(domain: &TestDomain) -> Process {
 ///
 /// # Panics
 /// If it is not there.
+#[must_use]
 pub fn bridge_program() -> PathBuf {
     let own = env::current_exe().unwrap();
     let folder = own.parent().unwrap();
@@ -136,6 +171,7 @@ pub fn bridge_program() -> PathBuf {
 }
 
 /// A command of the bridge's program.
+#[must_use]
 pub fn bridge(arguments: &[&str]) -> Command {
     let mut command = Command::new(bridge_program());
     // Not the configuration of whoever runs the test.
@@ -144,15 +180,20 @@ pub fn bridge(arguments: &[&str]) -> Command {
 }
 
 /// An address that nobody listens on.
+#[must_use]
 pub fn free_address() -> SocketAddr {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
 }
 
+/// The end near a daemon.
+#[must_use]
 pub fn daemon_end(domain: &TestDomain, name: &str, address: SocketAddr) -> Process {
     let address = address.to_string();
     Process::start(bridge(&["daemon", "--domain", domain.name(), "--name", name, "--listen", &address]))
 }
 
+/// The end near hosts.
+#[must_use]
 pub fn host_end(domain: &TestDomain, name: &str, addresses: &[SocketAddr]) -> Process {
     let mut command = bridge(&["host", "--domain", domain.name(), "--name", name]);
     for address in addresses {
@@ -162,16 +203,25 @@ pub fn host_end(domain: &TestDomain, name: &str, addresses: &[SocketAddr]) -> Pr
 }
 
 /// A daemon, a bridge, and the domains at both ends.
+#[derive(Debug)]
 pub struct Bridged {
+    /// The end near the host.
     pub host_end: Process,
+    /// The end near the daemon.
     pub daemon_end: Process,
+    /// The daemon.
     pub daemon: Process,
+    /// Where the daemon end listens.
     pub address: SocketAddr,
+    /// The domain of hosts.
     pub near_host: TestDomain,
+    /// The domain of the daemon.
     pub near_daemon: TestDomain,
 }
 
 impl Bridged {
+    /// Starts all of it, over loopback.
+    #[must_use]
     pub fn start() -> Self {
         let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
         let address = free_address();

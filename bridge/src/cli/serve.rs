@@ -7,12 +7,7 @@ use std::{
 
 use sd_notify::NotifyState;
 use signal_hook::{consts, flag};
-use tracing_subscriber::{
-    Layer,
-    filter::Targets,
-    fmt, layer::SubscriberExt, registry,
-    util::SubscriberInitExt,
-};
+use tracing_subscriber::{Layer, filter::Targets, fmt, layer::SubscriberExt, registry, util::SubscriberInitExt};
 
 use crate::{
     config::{Config, LogFormat, Telemetry},

@@ -42,7 +42,8 @@ pub(super) fn run(args: &StatusArgs) -> Result<(), BridgeError> {
 /// The report for people.
 fn table(report: &Value) -> String {
     let text = |value: &Value| value.as_str().unwrap_or("?").to_owned();
-    let ms = |value: &Value| value.as_f64().map_or_else(|| "-".to_owned(), |seconds| format!("{:.2} ms", 1e3 * seconds));
+    let ms =
+        |value: &Value| value.as_f64().map_or_else(|| "-".to_owned(), |seconds| format!("{:.2} ms", 1e3 * seconds));
     let number = |value: &Value| value.as_f64().unwrap_or(0.0);
     let mut out = format!(
         "untangled-bridge {} {} `{}` on domain `{}`, process {}, up {:.0} s\n",

@@ -4,34 +4,49 @@ use std::fmt::Write as _;
 
 use toml::Value;
 
-use super::Config;
+use super::model::Config;
 
 /// Each key with its explanation, in the order of the file.
 const EXPLANATIONS: [(&str, &str); 17] = [
-    ("domain", "The local domain: near a host the one that is served, near a daemon that of the daemon. Empty for \
-                UNTANGLED_DOMAIN, else `default`."),
-    ("name", "The name of this end, which no other end may have; with `limits.hosts` the common name of its \
-              certificate. Empty for one of the machine, the user and the domain."),
+    (
+        "domain",
+        "The local domain: near a host the one that is served, near a daemon that of the daemon. Empty for \
+                UNTANGLED_DOMAIN, else `default`.",
+    ),
+    (
+        "name",
+        "The name of this end, which no other end may have; with `limits.hosts` the common name of its \
+              certificate. Empty for one of the machine, the user and the domain.",
+    ),
     ("listen", "Where a daemon end listens, each HOST:PORT."),
     ("connect", "Where a host end looks for daemon ends, each HOST:PORT; all of them are used."),
     ("through_router", "Whether the addresses of `connect` are Zenoh routers, to which both ends connect."),
     ("discovery", "Whether ends find each other by multicast, beside the addresses of `connect`."),
     ("compression", "Whether messages are compressed (LZ4); both ends must say so. Positions hardly shrink."),
-    ("insecure", "Whether addresses beyond this machine may be used without certificates: everybody who can connect can \
-                  use the daemon and read cloth."),
+    (
+        "insecure",
+        "Whether addresses beyond this machine may be used without certificates: everybody who can connect can \
+                  use the daemon and read cloth.",
+    ),
     ("[tls]", "Certificates, as PEM files. Needed beyond this machine; both ends show theirs."),
     ("tls.authority", "The authority whose certificates this end trusts."),
     ("tls.certificate", "This end's certificate."),
     ("tls.key", "The private key of the certificate."),
-    ("limits.hosts", "Names of the host ends that may use this daemon end, each the common name of a certificate. Empty \
-                      for all that can connect."),
+    (
+        "limits.hosts",
+        "Names of the host ends that may use this daemon end, each the common name of a certificate. Empty \
+                      for all that can connect.",
+    ),
     ("limits.max_sessions_per_host", "Most sessions of one host end, up to 64."),
     ("limits.max_message_mb", "Longest message in millions of bytes: a registration, or a state."),
     ("telemetry.filter", "What to log, as in `info` or `untangled_bridge=debug`."),
     ("telemetry.format", "`text`, or `json` for one document a line."),
 ];
-const METRICS: (&str, &str) = ("telemetry.metrics", "Loopback address for metrics (/metrics) and status (/status) over \
-                               HTTP, as in `127.0.0.1:9465`. Empty for none.");
+const METRICS: (&str, &str) = (
+    "telemetry.metrics",
+    "Loopback address for metrics (/metrics) and status (/status) over \
+                               HTTP, as in `127.0.0.1:9465`. Empty for none.",
+);
 
 /// The configuration as TOML, with comments.
 #[must_use]

@@ -136,7 +136,10 @@ impl Hosts {
     /// Names, links and seconds of silence.
     pub(super) fn list(&self) -> Vec<(Arc<str>, usize, f64)> {
         let hosts = self.lock();
-        hosts.iter().map(|(name, host)| (Arc::clone(name), host.links.len(), host.heard.elapsed().as_secs_f64())).collect()
+        hosts
+            .iter()
+            .map(|(name, host)| (Arc::clone(name), host.links.len(), host.heard.elapsed().as_secs_f64()))
+            .collect()
     }
 }
 

@@ -83,8 +83,7 @@ impl Local {
 }
 
 fn ask(connection: &Connection, kind: RequestKind) -> Result<RawReply, RequestError> {
-    let header =
-        RequestHeader { protocol_version: PROTOCOL_VERSION, kind: kind as u32, ..RequestHeader::default() };
+    let header = RequestHeader { protocol_version: PROTOCOL_VERSION, kind: kind as u32, ..RequestHeader::default() };
     let pending = Pending::forward(connection, &header, &[])?;
     let reply = pending.poll_raw(connection, Instant::now() + PATIENCE)?;
     reply.ok_or_else(|| no_daemon(connection.domain()))

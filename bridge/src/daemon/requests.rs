@@ -7,10 +7,10 @@ use untangled_proto::{PROTOCOL_VERSION, RequestKind, Status};
 use zenoh::{Wait, query::Query};
 
 use super::{
-    Shared,
     link::{Answers, Link},
     local::Local,
     ports::Shape,
+    shared::Shared,
 };
 use crate::{
     metrics::count,

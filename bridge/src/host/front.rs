@@ -3,20 +3,23 @@
 use std::time::Duration;
 
 use iceoryx2::{
+    active_request::ActiveRequest,
     port::{listener::Listener, server::Server},
     prelude::{AllocationStrategy, Node},
 };
-use untangled_proto::{
-    PayloadLayout, ReplyHeader, RequestHeader, limits, memory::reply_sample_bytes, names,
-};
+use untangled_proto::{PayloadLayout, ReplyHeader, RequestHeader, limits, memory::reply_sample_bytes, names};
 use untangled_transport::{
     Domain, memory, node as nodes,
     services::{self, Event, Ipc, Requests},
 };
 
-use super::{REPLY_BYTES, requests::Pending};
 use crate::error::BridgeError;
 
+/// A request that has not been replied to.
+pub(crate) type Pending = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
+
+/// Room for a reply at the start, as in a daemon.
+pub(crate) const REPLY_BYTES: usize = 2048;
 /// Number of replies for which shared memory is committed, as in a daemon.
 const COMMITTED_REPLIES: u64 = 2 * limits::MAX_CLIENTS as u64;
 const COMMITTED_PADDED_REPLIES: u64 = 4;
@@ -32,10 +35,8 @@ impl Doorbell {
     pub(super) fn new(node: &Node<Ipc>) -> Result<Self, BridgeError> {
         let event = services::create_shared_event(node, names::CONTROL)
             .map_err(|error| BridgeError::transport("creating the control event", &error))?;
-        let listener = event
-            .listener_builder()
-            .create()
-            .map_err(|error| BridgeError::transport("creating a listener", &error))?;
+        let listener =
+            event.listener_builder().create().map_err(|error| BridgeError::transport("creating a listener", &error))?;
         Ok(Self { listener, _event: event })
     }
 
@@ -57,7 +58,10 @@ pub(super) struct Inlet {
 impl Inlet {
     /// Those for clients of this release and of release 0.1, in the order in which a client looks for them.
     pub(super) fn open_all(node: &Node<Ipc>, domain: &Domain) -> Result<Vec<Self>, BridgeError> {
-        [PayloadLayout::Packed, PayloadLayout::Padded].into_iter().map(|layout| Self::open(node, domain, layout)).collect()
+        [PayloadLayout::Packed, PayloadLayout::Padded]
+            .into_iter()
+            .map(|layout| Self::open(node, domain, layout))
+            .collect()
     }
 
     fn open(node: &Node<Ipc>, domain: &Domain, layout: PayloadLayout) -> Result<Self, BridgeError> {

@@ -5,19 +5,20 @@ use std::{
     time::Duration,
 };
 
-use iceoryx2::{active_request::ActiveRequest, prelude::EventId};
+use iceoryx2::prelude::EventId;
 use untangled_proto::{
     PROTOCOL_VERSION, PayloadLayout, ReplyHeader, RequestHeader, RequestKind, Status, limits,
     memory::reply_sample_bytes, names, sections::Sections,
 };
-use untangled_transport::{memory, services::Ipc};
+use untangled_transport::memory;
 use zenoh::{Wait, query::ConsolidationMode};
 
 use super::{
-    REPLY_BYTES, Shared,
+    front::{Pending, REPLY_BYTES},
     ports::{DownPorts, Shape, StatePort},
     refusal::Refusal,
     session::{Remote, Session},
+    shared::Shared,
     status,
 };
 use crate::{
@@ -29,9 +30,6 @@ use crate::{
         request::{Reply, Request, Services},
     },
 };
-
-/// A request that has not been replied to.
-pub(crate) type Pending = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 
 /// Longest time that a daemon end may take for a registration, and for another request.
 const REGISTRATION: Duration = Duration::from_secs(60);
@@ -69,10 +67,9 @@ pub(crate) fn serve(shared: &Arc<Shared>, pending: &Pending, header: &RequestHea
         Some(RequestKind::UpdateSettings | RequestKind::Close) if header.protocol_version == PROTOCOL_VERSION => {
             to_session(shared, header, &payload)
         }
-        Some(RequestKind::Status) if header.protocol_version == PROTOCOL_VERSION => {
-            to_any(shared, header, &payload).map(|answer| status::add(shared, answer.payload, answer.header))
-                .map(|(payload, header)| Answer { header, payload })
-        }
+        Some(RequestKind::Status) if header.protocol_version == PROTOCOL_VERSION => to_any(shared, header, &payload)
+            .map(|answer| status::add(shared, answer.payload, answer.header))
+            .map(|(payload, header)| Answer { header, payload }),
         _ => to_any(shared, header, &payload),
     };
     let answer = match answer {
@@ -265,4 +262,3 @@ fn send(
     let _ = shared.reply_notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY));
     Ok(())
 }
-

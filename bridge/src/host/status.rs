@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use untangled_proto::{LIBRARY_VERSION, ReplyHeader, Status};
 
-use super::Shared;
+use super::shared::Shared;
 
 /// The report of this host end.
 pub(crate) fn report(shared: &Shared) -> Value {

@@ -89,7 +89,7 @@ mod tests {
         histogram.add(Duration::from_secs(3600));
         let (ends, total, sum_s) = histogram.cumulative();
         assert_eq!((ends[0], ends[1], total), ((64e-6, 2), (128e-6, 3), 5));
-        assert!((sum_s - 3600.001_139).abs() < 1e-6);
+        assert!((sum_s - 3_600.001_139).abs() < 1e-6);
         assert_eq!(histogram.quantile_s(0.5), Some(128e-6));
         assert_eq!(ends.last().map(|end| end.1), Some(4));
     }

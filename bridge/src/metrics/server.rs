@@ -13,7 +13,7 @@ use std::{
 
 use serde_json::Value;
 
-use super::Metrics;
+use super::counts::Metrics;
 use crate::error::BridgeError;
 
 /// Longest time for one connection, and longest head of a request in bytes.
@@ -98,7 +98,8 @@ fn answer(mut stream: TcpStream, metrics: &Metrics, report: &impl Report) -> io:
         _ => ("404 Not Found", "text/plain", "there are /metrics and /status\n".to_owned()),
     };
     let length = body.len();
-    let head = format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n");
+    let head =
+        format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n");
     stream.write_all(head.as_bytes())?;
     stream.write_all(body.as_bytes())
 }

@@ -84,7 +84,9 @@ mod tests {
             assert_eq!(endpoint.is_loopback(), loopback, "{text}");
             assert_eq!(endpoint.locator(true), format!("tls/{text}"));
         }
-        for bad in ["", "7460", "host", "host:", "host:70000", ":1", "tcp/1.2.3.4:1", "a b:1", "a:1#iface=eth0", "a?b:1"] {
+        for bad in
+            ["", "7460", "host", "host:", "host:70000", ":1", "tcp/1.2.3.4:1", "a b:1", "a:1#iface=eth0", "a?b:1"]
+        {
             assert!(Endpoint::parse(bad).is_err(), "{bad}");
         }
     }

@@ -11,7 +11,9 @@ use std::{
 };
 
 /// Most messages on their way.
-const MOST: f64 = 16.0;
+const MOST: u32 = 16;
+/// The window is counted in parts of a message, by which it grows.
+const PARTS: u32 = 256;
 /// A message that was not acknowledged for so long is lost: the connection was broken and made again.
 const LOST: Duration = Duration::from_secs(2);
 /// How much longer than the shortest a round trip may take before messages count as queued: half as long again, and
@@ -25,13 +27,14 @@ const MEMORY: Duration = Duration::from_secs(30);
 #[derive(Debug)]
 pub struct Window {
     sent: VecDeque<(u64, Instant)>,
-    size: f64,
+    /// In parts of a message.
+    size: u32,
     shortest: Option<(Duration, Instant)>,
 }
 
 impl Default for Window {
     fn default() -> Self {
-        Self { sent: VecDeque::with_capacity(MOST as usize), size: 2.0, shortest: None }
+        Self { sent: VecDeque::with_capacity(MOST as usize), size: 2 * PARTS, shortest: None }
     }
 }
 
@@ -41,9 +44,14 @@ impl Window {
     pub fn is_open(&mut self, now: Instant) -> bool {
         while self.sent.front().is_some_and(|(_, sent)| now.duration_since(*sent) > LOST) {
             self.sent.pop_front();
-            self.size = 1.0;
+            self.size = PARTS;
         }
-        self.sent.len() < self.size as usize
+        self.sent.len() < self.most()
+    }
+
+    /// Messages that may be on their way.
+    fn most(&self) -> usize {
+        (self.size / PARTS) as usize
     }
 
     /// Whether messages are on their way.
@@ -59,7 +67,7 @@ impl Window {
 
     /// The other end has all messages up to this one; gives back how long the newest of them took there and back.
     pub fn acknowledge(&mut self, sequence: u64, now: Instant) -> Option<Duration> {
-        let was_full = self.sent.len() + 1 >= self.size as usize;
+        let was_full = self.sent.len() + 1 >= self.most();
         let mut newest = None;
         while let Some(&(number, sent)) = self.sent.front()
             && number <= sequence
@@ -77,10 +85,10 @@ impl Window {
         };
         if trip <= shortest.mul_f64(SLACK) + JITTER {
             if was_full {
-                self.size = (self.size + 1.0 / self.size).min(MOST);
+                self.size = (self.size + PARTS * PARTS / self.size).min(MOST * PARTS);
             }
         } else {
-            self.size = (self.size * 0.75).max(1.0);
+            self.size = (self.size / 4 * 3).max(PARTS);
         }
         Some(trip)
     }

@@ -107,7 +107,7 @@ impl Pins {
             new += usize::from(!element.is_rest(element.is_pinned()));
         }
         let forms = [
-            (elements.len() * size_of::<E>(), FULL),
+            (size_of_val(elements), FULL),
             (zero * entry, ZERO),
             (if has_pins { known * entry } else { usize::MAX }, PINS),
             (new * entry + elements.len().div_ceil(8), NEW_PINS),

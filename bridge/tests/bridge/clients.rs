@@ -27,7 +27,12 @@ fn built(name: &str, skipped: &str) -> Option<PathBuf> {
 fn run(command: &mut Command) -> Output {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}: {}\n{}\n{words}", output.status, String::from_utf8_lossy(&output.stdout));
+    assert!(
+        output.status.success(),
+        "{command:?}: {}\n{}\n{words}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout)
+    );
     output
 }
 
@@ -84,7 +89,16 @@ fn python_package_passes_its_tests_through_the_bridge() {
     run(Command::new("chmod").arg("+x").arg(&served));
     let mut pytest = Command::new(fs::canonicalize(&python).map(|_| python.clone()).unwrap());
     pytest
-        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "-k", "not restart and not killed and not reconnect"])
+        .args([
+            "-m",
+            "pytest",
+            "-q",
+            "-rs",
+            "-p",
+            "no:cacheprovider",
+            "-k",
+            "not restart and not killed and not reconnect",
+        ])
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("PYTHONPATH", &scratch)
         .env("DAEMON_PROGRAM", &served)

@@ -59,8 +59,11 @@ fn peer(bridged: &Bridged, name: &str) -> zenoh::Session {
 }
 
 fn hello() -> Request<'static> {
-    let header =
-        RequestHeader { protocol_version: PROTOCOL_VERSION, kind: RequestKind::Hello as u32, ..RequestHeader::default() };
+    let header = RequestHeader {
+        protocol_version: PROTOCOL_VERSION,
+        kind: RequestKind::Hello as u32,
+        ..RequestHeader::default()
+    };
     Request { link: 0, header, payload: &[] }
 }
 
@@ -81,6 +84,24 @@ fn exchange(session: &mut Session, sheets: &Sheets) -> Vec<[u32; 4]> {
     answer.vertices().iter().map(|v| [bits(v.value[0]), bits(v.value[1]), bits(v.value[2]), v.flags]).collect()
 }
 
+/// A message that no end of a bridge sends, and where it goes.
+fn message(random: &mut Random) -> (String, Vec<u8>) {
+    let key = match random.next() % 4 {
+        0 => keys::host_beacon("far", "mallory"),
+        1 => keys::up("far", "mallory", &keys::link(random.next() % 3)),
+        // In the name of another host, which only certificates can hinder: it does not know the link.
+        2 => keys::up("far", "near", &keys::link(random.next())),
+        _ => keys::daemon_beacon("mallory"),
+    };
+    let mut bytes = match random.next() % 3 {
+        0 => random.bytes(200),
+        1 => Envelope { kind: Kind::State, link: random.next() % 3, sequence: random.next() }.begin(0),
+        _ => br#"{"versions":{"bridge":1,"protocol":1,"library":"x","iceoryx2":"x"},"run":1,"instance":1}"#.to_vec(),
+    };
+    bytes.extend(random.bytes(100));
+    (key, bytes)
+}
+
 #[test]
 fn malformed_messages_and_requests_of_a_peer_change_nothing_for_others() {
     let bridged = Bridged::start();
@@ -94,24 +115,12 @@ fn malformed_messages_and_requests_of_a_peer_change_nothing_for_others() {
     let mut num_refused = 0;
     for round in 0..40 {
         for _ in 0..50 {
-            let key = match random.next() % 4 {
-                0 => keys::host_beacon("far", "mallory"),
-                1 => keys::up("far", "mallory", &keys::link(random.next() % 3)),
-                // In the name of another host, which only certificates can hinder: it does not know the link.
-                2 => keys::up("far", "near", &keys::link(random.next())),
-                _ => keys::daemon_beacon("mallory"),
-            };
-            let mut bytes = match random.next() % 3 {
-                0 => random.bytes(200),
-                1 => Envelope { kind: Kind::State, link: random.next() % 3, sequence: random.next() }.begin(0),
-                _ => br#"{"versions":{"bridge":1,"protocol":1,"library":"x","iceoryx2":"x"},"run":1,"instance":1}"#.to_vec(),
-            };
-            bytes.extend(random.bytes(100));
+            let (key, bytes) = message(&mut random);
             network.put(key, bytes).wait().unwrap();
         }
         // A request with a field at its limits or beyond.
         let header = RequestHeader {
-            protocol_version: if random.next() % 4 == 0 { random.next() as u32 } else { PROTOCOL_VERSION },
+            protocol_version: if random.next().is_multiple_of(4) { random.next() as u32 } else { PROTOCOL_VERSION },
             kind: (random.next() % 8) as u32,
             session: 1 + random.next() % 2,
             num_sections: (random.next() % 40) as u32,

@@ -44,10 +44,15 @@ fn bits(vertices: &[VertexCorrection]) -> Vec<[u32; 4]> {
 /// Runs a cloth beside the daemon and through the bridge, and compares all that comes back. Gives back the number of
 /// frames with an intersection.
 #[track_caller]
-fn compare(bridged: &Bridged, registration: &Registration, frames: u64, positions: impl Fn(u64) -> Vec<[f64; 3]>) -> u64 {
+fn compare(
+    bridged: &Bridged,
+    registration: &Registration,
+    frames: u64,
+    positions: impl Fn(u64) -> Vec<[f64; 3]>,
+) -> u64 {
     let place = Location::caller();
-    let [mut own, mut far] =
-        [&bridged.near_daemon, &bridged.near_host].map(|domain| domain.connect().register(registration.clone()).unwrap());
+    let [mut own, mut far] = [&bridged.near_daemon, &bridged.near_host]
+        .map(|domain| domain.connect().register(registration.clone()).unwrap());
     assert_eq!((own.is_sparse(), own.has_labels()), (far.is_sparse(), far.has_labels()));
     assert_eq!((own.has_repairs(), own.num_welded_vertices()), (far.has_repairs(), far.num_welded_vertices()));
     let mut num_tangled = 0;
@@ -58,7 +63,11 @@ fn compare(bridged: &Bridged, registration: &Registration, frames: u64, position
         assert_eq!(bits(own.vertices()), bits(far.vertices()), "{place}, frame {frame}");
         assert!(own.entries().eq(far.entries()), "{place}, frame {frame}");
         assert_eq!(own.labels(), far.labels(), "{place}, frame {frame}");
-        assert_eq!(own.paths().map(|paths| (paths.records, paths.points)), far.paths().map(|paths| (paths.records, paths.points)), "{place}, frame {frame}");
+        assert_eq!(
+            own.paths().map(|paths| (paths.records, paths.points)),
+            far.paths().map(|paths| (paths.records, paths.points)),
+            "{place}, frame {frame}"
+        );
         assert_eq!(own.paths().is_some(), registration.paths, "{place}, frame {frame}");
         num_tangled += u64::from(own.header().num_face_pairs > 0);
     }
@@ -82,7 +91,11 @@ fn corrections_through_the_bridge_are_those_of_the_daemon_in_every_form() {
         Registration { body: (0..400).collect(), sparse: true, precision: Precision::F64, ..plain.clone() },
         Registration { layers: Some((0..n).map(|k| u32::from(k >= 400)).collect()), ..plain.clone() },
         Registration { settings: serde_json::json!({ "quality": "fast", "response": "contour" }), ..plain.clone() },
-        Registration { correction: untangled_client::CorrectionKind::Force, masses_kg: Some(vec![0.5; n]), ..plain.clone() },
+        Registration {
+            correction: untangled_client::CorrectionKind::Force,
+            masses_kg: Some(vec![0.5; n]),
+            ..plain.clone()
+        },
     ];
     for form in forms {
         let tangled = compare(&bridged, &form, 12, |frame| sheets.positions(frame));
@@ -140,8 +153,10 @@ fn repairs_through_the_bridge_are_those_of_the_daemon() {
             };
             let repair = repair.unwrap();
             let header = untangled_client::RepairHeader { waited_ns: 0, repair_ns: 0, ..*repair.header() };
-            let single: Vec<_> = repair.displacements_f32().unwrap_or_default().iter().map(|d| d.map(f32::to_bits)).collect();
-            let double: Vec<_> = repair.displacements_f64().unwrap_or_default().iter().map(|d| d.map(f64::to_bits)).collect();
+            let single: Vec<_> =
+                repair.displacements_f32().unwrap_or_default().iter().map(|d| d.map(f32::to_bits)).collect();
+            let double: Vec<_> =
+                repair.displacements_f64().unwrap_or_default().iter().map(|d| d.map(f64::to_bits)).collect();
             (header, single, double)
         });
         assert_eq!(own, far);
@@ -181,7 +196,8 @@ fn refusals_updates_and_statuses_have_the_words_of_the_daemon() {
         session.update_settings(mask.clone(), PATIENCE).unwrap();
     }
     let state = sheets.positions(1);
-    let [own_answer, far_answer] = [&mut own_session, &mut far_session].map(|session| exchange(session, &state, Precision::F32));
+    let [own_answer, far_answer] =
+        [&mut own_session, &mut far_session].map(|session| exchange(session, &state, Precision::F32));
     assert_eq!(bits(own_answer.vertices()), bits(far_answer.vertices()));
     assert!(own_answer.vertices().iter().any(|vertex| vertex.flags != 0));
     // A frame that is refused.

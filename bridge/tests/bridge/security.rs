@@ -2,6 +2,7 @@
 
 use std::{
     fs,
+    net::SocketAddr,
     path::{Path, PathBuf},
     process::Command,
     time::Duration,
@@ -40,10 +41,43 @@ impl Authority {
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         };
         let [key, request, certificate, names] = ["key", "csr", "pem", "ext"].map(|end| format!("{name}.{end}"));
-        fs::write(self.0.join(&names), "subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth,clientAuth\n").unwrap();
+        fs::write(
+            self.0.join(&names),
+            "subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth,clientAuth\n",
+        )
+        .unwrap();
         let subject = format!("/CN={name}");
-        run(&["req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", &subject, "-keyout", &key, "-out", &request]);
-        run(&["x509", "-req", "-in", &request, "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2", "-extfile", &names, "-out", &certificate]);
+        run(&[
+            "req",
+            "-newkey",
+            "ec",
+            "-pkeyopt",
+            "ec_paramgen_curve:P-256",
+            "-nodes",
+            "-subj",
+            &subject,
+            "-keyout",
+            &key,
+            "-out",
+            &request,
+        ]);
+        run(&[
+            "x509",
+            "-req",
+            "-in",
+            &request,
+            "-CA",
+            "ca.pem",
+            "-CAkey",
+            "ca.key",
+            "-CAcreateserial",
+            "-days",
+            "2",
+            "-extfile",
+            &names,
+            "-out",
+            &certificate,
+        ]);
         let [authority, certificate, key] = [trusts.to_owned(), self.0.join(certificate), self.0.join(key)];
         let text = format!(
             "{rest}\nname = '{name}'\n[tls]\nauthority = '{}'\ncertificate = '{}'\nkey = '{}'\n",
@@ -102,6 +136,13 @@ fn hosts_with_a_listed_certificate_are_served_and_all_others_are_not() {
         }
         allowed.push((session, end, domain));
     }
+    assert_refused(&authority, &stranger, &near_daemon, address);
+}
+
+/// Hosts and a daemon end that must not be talked to.
+fn assert_refused(authority: &Authority, stranger: &Authority, near_daemon: &TestDomain, address: SocketAddr) {
+    let own = authority.certificate();
+    let connect = format!("connect = ['{address}']");
     let silent = Duration::from_secs(3);
     // A certificate of the same authority under a name that is not listed.
     let domain = TestDomain::new();
@@ -123,7 +164,7 @@ fn hosts_with_a_listed_certificate_are_served_and_all_others_are_not() {
     // A daemon end of another authority is not trusted by hosts.
     let other = ends::free_address();
     let false_daemon = stranger.config("far", &format!("listen = ['{other}']"), &stranger.certificate());
-    let _false_daemon = start("daemon", &false_daemon, &near_daemon);
+    let _false_daemon = start("daemon", &false_daemon, near_daemon);
     let domain = TestDomain::new();
     let _end = start("host", &authority.config("ws5", &format!("connect = ['{other}']"), &own), &domain);
     assert!(!can_connect(&domain, silent), "a daemon of another authority");

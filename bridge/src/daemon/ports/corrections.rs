@@ -15,7 +15,7 @@ use untangled_transport::{
     services::{self, CorrectionService, Ipc, SparseService},
 };
 
-use super::{Shape, failed};
+use super::shape::{Shape, failed};
 use crate::wire::{elements::Pins, message::Kind, plain};
 
 /// Takes corrections. Fields of a variant are dropped in order: ports before services.

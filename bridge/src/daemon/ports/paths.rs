@@ -5,7 +5,7 @@ use untangled_client::RequestError;
 use untangled_proto::{names::SessionService, paths::PathsHeader};
 use untangled_transport::services::{self, Ipc};
 
-use super::{Shape, failed};
+use super::shape::{Shape, failed};
 use crate::wire::plain;
 
 /// Takes paths; they come before the correction of their frame.

@@ -7,7 +7,7 @@ use untangled_client::RequestError;
 use untangled_proto::{PositionF32, PositionF64, Precision, RepairHeader, names::SessionService};
 use untangled_transport::services::{Ipc, Position};
 
-use super::{Shape, failed};
+use super::shape::{Shape, failed};
 use crate::wire::{
     elements::{Element, Pins},
     plain,

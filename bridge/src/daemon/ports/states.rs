@@ -8,7 +8,7 @@ use untangled_client::{
 use untangled_proto::{PositionF32, PositionF64, Precision, StateHeader, memory, names::SessionService};
 use untangled_transport::services::{Ipc, Position};
 
-use super::{Shape, failed};
+use super::shape::{Shape, failed};
 use crate::wire::plain::{self, Plain};
 
 /// Hands states to the daemon, in the precision of the session.

@@ -4,7 +4,7 @@ use iceoryx2::prelude::Node;
 use untangled_proto::{CorrectionHeader, VertexCorrection, memory, names::SessionService};
 use untangled_transport::services::{self, Ipc};
 
-use super::{super::refusal::Refusal, DeliverError, Shape, publication::Publication};
+use super::{super::refusal::Refusal, error::DeliverError, publication::Publication, shape::Shape};
 use crate::wire::{elements::Pins, message::Kind, plain};
 
 /// Hands corrections to the host.

@@ -15,7 +15,7 @@ use untangled_transport::{
     services::{self, Ipc, PathsService},
 };
 
-use super::{super::refusal::Refusal, DeliverError, Shape};
+use super::{super::refusal::Refusal, error::DeliverError, shape::Shape};
 use crate::wire::plain;
 
 /// A session's paths service. It has no publisher until there is a subscriber.

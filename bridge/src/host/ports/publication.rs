@@ -1,16 +1,14 @@
 //! A publisher of a session whose samples have a greatest length, with all of its shared memory taken.
 
 use iceoryx2::{
-    port::publisher::Publisher,
-    prelude::ZeroCopySend,
-    sample_mut_uninit::SampleMutUninit,
+    port::publisher::Publisher, prelude::ZeroCopySend, sample_mut_uninit::SampleMutUninit,
     service::port_factory::publish_subscribe::PortFactory,
 };
 use std::mem::MaybeUninit;
 use untangled_proto::Status;
 use untangled_transport::{Domain, memory, services::Ipc};
 
-use super::{super::refusal::Refusal, DeliverError};
+use super::{super::refusal::Refusal, error::DeliverError};
 
 /// A publisher and its service. Fields are dropped in order: the port before its service.
 #[derive(Debug)]
@@ -54,10 +52,7 @@ where
     }
 
     /// A sample of so many elements.
-    pub(crate) fn loan(
-        &self,
-        num_elements: usize,
-    ) -> Result<SampleMutUninit<Ipc, [MaybeUninit<E>], H>, DeliverError> {
+    pub(crate) fn loan(&self, num_elements: usize) -> Result<SampleMutUninit<Ipc, [MaybeUninit<E>], H>, DeliverError> {
         self.publisher.loan_slice_uninit(num_elements).map_err(|error| DeliverError::transport(&error))
     }
 }

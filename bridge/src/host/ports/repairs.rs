@@ -4,7 +4,7 @@ use iceoryx2::prelude::Node;
 use untangled_proto::{PositionF32, PositionF64, Precision, RepairHeader, names::SessionService};
 use untangled_transport::services::{Ipc, Position};
 
-use super::{super::refusal::Refusal, DeliverError, Shape, publication::Publication};
+use super::{super::refusal::Refusal, error::DeliverError, publication::Publication, shape::Shape};
 use crate::wire::{
     elements::{Element, Pins},
     plain,

@@ -7,7 +7,7 @@ use iceoryx2::{
 use untangled_proto::{PositionF32, PositionF64, Precision, StateHeader, names::SessionService};
 use untangled_transport::services::{Ipc, Position, States};
 
-use super::{super::refusal::Refusal, Shape};
+use super::{super::refusal::Refusal, shape::Shape};
 use crate::wire::plain::{self, Plain};
 
 /// Takes states, in the precision that the host chose.
@@ -63,10 +63,8 @@ impl<P: Position + Plain> Subscription<P> {
     fn create(node: &Node<Ipc>, shape: &Shape<'_>) -> Result<Self, Refusal> {
         let service = P::create_states(node, &shape.name(SessionService::State), shape.layout)
             .map_err(|error| Refusal::failed("creating the state service", &error))?;
-        let subscriber = service
-            .subscriber_builder()
-            .create()
-            .map_err(|error| Refusal::failed("creating a subscriber", &error))?;
+        let subscriber =
+            service.subscriber_builder().create().map_err(|error| Refusal::failed("creating a subscriber", &error))?;
         Ok(Self { subscriber, service, num_vertices: shape.num_vertices })
     }
 
