@@ -1,5 +1,6 @@
 //! The command line: `host`, `daemon`, `status`, `config`.
 
+mod lines;
 mod serve;
 mod status;
 

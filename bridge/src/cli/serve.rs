@@ -9,6 +9,7 @@ use sd_notify::NotifyState;
 use signal_hook::{consts, flag};
 use tracing_subscriber::{Layer, filter::Targets, fmt, layer::SubscriberExt, registry, util::SubscriberInitExt};
 
+use super::lines::Lines;
 use crate::{
     config::{Config, LogFormat, Telemetry},
     daemon,
@@ -19,7 +20,7 @@ use crate::{
 
 pub(super) fn run(config: &Config, side: Side) -> Result<(), BridgeError> {
     let (options, warnings) = config.options(side)?;
-    start_log(&config.telemetry)?;
+    let lines = start_log(&config.telemetry)?;
     for warning in warnings {
         tracing::warn!("{warning}");
     }
@@ -33,29 +34,41 @@ pub(super) fn run(config: &Config, side: Side) -> Result<(), BridgeError> {
         let (name, domain) = (options.network.name.as_str(), options.domain.name());
         tracing::info!(name, domain, ?side, "ready");
         // Whatever the filter: scripts wait for this line.
-        let _ = io::stderr().write_all(b"ready\n");
+        let _ = lines.clone().write_all(b"ready\n");
         notify_systemd(NotifyState::Ready);
     };
-    match side {
-        Side::Host => host::run(&options, &shutdown, ready)?,
-        Side::Daemon => daemon::run(&options, &shutdown, ready)?,
+    let result = match side {
+        Side::Host => host::run(&options, &shutdown, ready),
+        Side::Daemon => daemon::run(&options, &shutdown, ready),
+    };
+    if result.is_ok() {
+        notify_systemd(NotifyState::Stopping);
+        tracing::info!("ended");
     }
-    notify_systemd(NotifyState::Stopping);
-    tracing::info!("ended");
-    Ok(())
+    lines.flush();
+    result
 }
 
-fn start_log(telemetry: &Telemetry) -> Result<(), BridgeError> {
+fn start_log(telemetry: &Telemetry) -> Result<Lines, BridgeError> {
     let filter: Targets = telemetry
         .filter
         .parse()
         .map_err(|error| BridgeError::Config(format!("log filter `{}`: {error}", telemetry.filter)))?;
-    let layer = fmt::layer().with_writer(io::stderr).with_ansi(io::stderr().is_terminal()).log_internal_errors(false);
+    let lines = Lines::start(io::stderr())
+        .map_err(|source| BridgeError::System { what: "starting the thread that writes logs".to_owned(), source })?;
+    let writer = lines.clone();
+    let layer = fmt::layer()
+        .with_writer(move || writer.clone())
+        .with_ansi(io::stderr().is_terminal())
+        .log_internal_errors(false);
     let started = match telemetry.format {
         LogFormat::Text => registry().with(layer.with_filter(filter)).try_init(),
         LogFormat::Json => registry().with(layer.json().with_filter(filter)).try_init(),
     };
-    started.map_err(|error| BridgeError::Config(format!("logs: {error}")))
+    started.map_err(|error| BridgeError::Config(format!("logs: {error}")))?;
+    // The report of a panic, too, must not wait for a reader.
+    std::panic::set_hook(Box::new(|panic| tracing::error!("{panic}")));
+    Ok(lines)
 }
 
 /// Raises the soft limit of open files to the hard one, up to what 64 sessions take.

@@ -179,6 +179,7 @@ fn register(
         let words = format!("{} sessions are open already", limits::MAX_SESSIONS);
         return Err(Refusal::new(Status::TooManySessions, words).into());
     }
+    check_length(shared, "registration", payload.len())?;
     let link = shared.new_link();
     let (mut remote, reply) = ask_any(shared, &Request { link, header: *header, payload })?;
     let Reply::Answered { services, header: mut reply, payload: words } = reply else { return Err(Failure::NoDaemon) };
@@ -205,6 +206,18 @@ fn register(
     Ok(Answer { header: reply, payload: words })
 }
 
+/// Whether a message has a length that the other end takes.
+fn check_length(shared: &Shared, what: &str, length: usize) -> Result<(), Refusal> {
+    // Headers of all kinds take less.
+    const HEADERS: usize = 1024;
+    if length.saturating_add(HEADERS) <= shared.max_message_bytes {
+        return Ok(());
+    }
+    let most = shared.max_message_bytes;
+    let words = format!("a {what} of {length} bytes; the bridge takes {most} (limits.max_message_mb)");
+    Err(Refusal::new(Status::TooLarge, words))
+}
+
 /// Makes the ports of a session that a daemon has accepted.
 fn open(
     shared: &Arc<Shared>,
@@ -220,6 +233,7 @@ fn open(
         .ok()
         .and_then(|sections| Shape::read(&shared.domain, &sections, layout, services, [shared.instance, id]))
         .ok_or_else(|| Refusal::new(Status::Internal, "a daemon took a registration that this bridge can't read"))?;
+    check_length(shared, "state", shape.state_bytes())?;
     shape.check_memory()?;
     let states = StatePort::create(&shared.node, &shape)?;
     let down = DownPorts::create(&shared.node, &shape)?;

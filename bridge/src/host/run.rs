@@ -115,6 +115,7 @@ impl HostEnd {
             directory: Directory::default(),
             metrics: Arc::default(),
             name: options.network.name.clone(),
+            max_message_bytes: options.network.max_message_bytes,
             domain: options.domain.clone(),
             instance: random.hash_one(std::process::id()),
             run: random.hash_one(Instant::now()),

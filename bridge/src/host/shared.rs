@@ -31,6 +31,8 @@ pub(crate) struct Shared {
     pub(crate) directory: Directory,
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) name: String,
+    /// Longest message to a daemon end.
+    pub(crate) max_message_bytes: usize,
     pub(crate) domain: Domain,
     pub(crate) instance: u64,
     pub(crate) run: u64,

@@ -34,63 +34,26 @@ impl Authority {
         None
     }
 
-    /// A configuration with a certificate of this name, and another authority to trust where one is given.
-    fn config(&self, name: &str, rest: &str, trusts: &Path) -> PathBuf {
-        let run = |arguments: &[&str]| {
-            let output = Command::new("openssl").args(arguments).current_dir(&self.0).output().unwrap();
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        };
+    /// A configuration of these keys and tables, with a certificate of this name, that trusts an authority.
+    fn config(&self, name: &str, keys: &str, tables: &str, trusts: &Path) -> PathBuf {
         let [key, request, certificate, names] = ["key", "csr", "pem", "ext"].map(|end| format!("{name}.{end}"));
-        fs::write(
-            self.0.join(&names),
-            "subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth,clientAuth\n",
-        )
-        .unwrap();
-        let subject = format!("/CN={name}");
-        run(&[
-            "req",
-            "-newkey",
-            "ec",
-            "-pkeyopt",
-            "ec_paramgen_curve:P-256",
-            "-nodes",
-            "-subj",
-            &subject,
-            "-keyout",
-            &key,
-            "-out",
-            &request,
-        ]);
-        run(&[
-            "x509",
-            "-req",
-            "-in",
-            &request,
-            "-CA",
-            "ca.pem",
-            "-CAkey",
-            "ca.key",
-            "-CAcreateserial",
-            "-days",
-            "2",
-            "-extfile",
-            &names,
-            "-out",
-            &certificate,
-        ]);
-        let [authority, certificate, key] = [trusts.to_owned(), self.0.join(certificate), self.0.join(key)];
-        let text = format!(
-            "{rest}\nname = '{name}'\n[tls]\nauthority = '{}'\ncertificate = '{}'\nkey = '{}'\n",
-            authority.display(),
-            certificate.display(),
-            key.display()
-        );
-        // Tables come last in TOML.
-        let (tables, keys): (Vec<&str>, Vec<&str>) = rest.split("\n\n").partition(|part| part.starts_with('['));
-        let text = text.replacen(rest, &keys.join("\n"), 1) + &tables.join("\n");
+        let extensions = "subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth,clientAuth\n";
+        fs::write(self.0.join(&names), extensions).unwrap();
+        let new = "req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes";
+        self.openssl(&format!("{new} -subj /CN={name} -keyout {key} -out {request}"));
+        let by = "-CA ca.pem -CAkey ca.key -CAcreateserial -days 2";
+        self.openssl(&format!("x509 -req -in {request} {by} -extfile {names} -out {certificate}"));
+        let [certificate, key] = [certificate, key].map(|file| self.0.join(file));
+        let tls = [("authority", trusts), ("certificate", &certificate), ("key", &key)];
+        let tls: Vec<String> = tls.iter().map(|(key, path)| format!("{key} = '{}'", path.display())).collect();
         let path = self.0.join(format!("{name}.toml"));
-        fs::write(&path, text).unwrap();
+        fs::write(&path, format!("{keys}\nname = '{name}'\n[tls]\n{}\n{tables}\n", tls.join("\n"))).unwrap();
         path
+    }
+
+    fn openssl(&self, arguments: &str) {
+        let output = Command::new("openssl").args(arguments.split(' ')).current_dir(&self.0).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
     fn certificate(&self) -> PathBuf {
@@ -119,14 +82,14 @@ fn hosts_with_a_listed_certificate_are_served_and_all_others_are_not() {
     let _daemon = ends::serve(&near_daemon);
     let address = ends::free_address();
     let own = authority.certificate();
-    let far = authority.config("far", &format!("listen = ['{address}']\n\n[limits]\nhosts = ['ws1', 'ws2']\n"), &own);
+    let far = authority.config("far", &format!("listen = ['{address}']"), "[limits]\nhosts = ['ws1', 'ws2']", &own);
     let _far = start("daemon", &far, &near_daemon);
     let connect = format!("connect = ['{address}']");
     let sheets = Sheets::new(6);
     let mut allowed = Vec::new();
     for name in ["ws1", "ws2"] {
         let domain = TestDomain::new();
-        let end = start("host", &authority.config(name, &connect, &own), &domain);
+        let end = start("host", &authority.config(name, &connect, "", &own), &domain);
         let mut session = domain.connect().register(sheets.registration()).unwrap();
         let step = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
         for frame in 1..=20 {
@@ -146,26 +109,26 @@ fn assert_refused(authority: &Authority, stranger: &Authority, near_daemon: &Tes
     let silent = Duration::from_secs(3);
     // A certificate of the same authority under a name that is not listed.
     let domain = TestDomain::new();
-    let _end = start("host", &authority.config("ws3", &connect, &own), &domain);
+    let _end = start("host", &authority.config("ws3", &connect, "", &own), &domain);
     assert!(!can_connect(&domain, silent), "a host that is not listed");
     // One that claims another name than its certificate's.
     let domain = TestDomain::new();
-    let config = authority.config("ws4", &connect, &own);
+    let config = authority.config("ws4", &connect, "", &own);
     fs::write(&config, fs::read_to_string(&config).unwrap().replace("name = 'ws4'", "name = 'ws1'")).unwrap();
     let _end = start("host", &config, &domain);
     assert!(!can_connect(&domain, silent), "a host under a false name");
     // A certificate of another authority, and none at all.
     let domain = TestDomain::new();
-    let _end = start("host", &stranger.config("ws2", &connect, &own), &domain);
+    let _end = start("host", &stranger.config("ws2", &connect, "", &own), &domain);
     assert!(!can_connect(&domain, silent), "a host of another authority");
     let domain = TestDomain::new();
     let _end = ends::host_end(&domain, "ws1", &[address]);
     assert!(!can_connect(&domain, silent), "a host without a certificate");
     // A daemon end of another authority is not trusted by hosts.
     let other = ends::free_address();
-    let false_daemon = stranger.config("far", &format!("listen = ['{other}']"), &stranger.certificate());
+    let false_daemon = stranger.config("far", &format!("listen = ['{other}']"), "", &stranger.certificate());
     let _false_daemon = start("daemon", &false_daemon, near_daemon);
     let domain = TestDomain::new();
-    let _end = start("host", &authority.config("ws5", &format!("connect = ['{other}']"), &own), &domain);
+    let _end = start("host", &authority.config("ws5", &format!("connect = ['{other}']"), "", &own), &domain);
     assert!(!can_connect(&domain, silent), "a daemon of another authority");
 }

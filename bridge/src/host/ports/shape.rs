@@ -1,7 +1,7 @@
 //! What the ports of a session are made for.
 
 use untangled_proto::{
-    PayloadLayout, Precision, RegisterParams, SessionOptions, Status, memory,
+    PayloadLayout, PositionF32, PositionF64, Precision, RegisterParams, SessionOptions, Status, memory,
     names::{self, SessionService},
     sections::{Sections, id},
 };
@@ -59,6 +59,15 @@ impl<'a> Shape<'a> {
 
     pub(crate) fn has_repairs(&self) -> bool {
         self.services.contains(Services::REPAIRS)
+    }
+
+    /// Bytes of a state's positions.
+    pub(crate) fn state_bytes(&self) -> usize {
+        let position = match self.precision {
+            Precision::F32 => size_of::<PositionF32>(),
+            Precision::F64 => size_of::<PositionF64>(),
+        };
+        self.num_vertices.saturating_mul(position)
     }
 
     /// Checks that shared memory has room for both sides of the session.
