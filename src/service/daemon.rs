@@ -16,14 +16,15 @@ use iceoryx2::{
 use untangled_proto::names;
 use untangled_transport::{
     Domain,
+    housekeeping::{Cleanup, DeadNodes, Finding},
     lock::{DomainLock, LockError},
     memory, node,
     services::{self, Event, Ipc},
 };
 
 use super::{
+    descriptors::make_room_for_descriptors,
     error::ServeError,
-    housekeeping::{Cleanup, DeadNodes, make_room_for_descriptors},
     metrics::MetricsServer,
     options::ServeOptions,
     pool::{Job, Pool, PoolOptions},
@@ -135,7 +136,8 @@ struct Daemon {
 
 impl Daemon {
     fn start(options: &ServeOptions) -> Result<Self, ServeError> {
-        let cleanup = Cleanup::start(options.domain.clone())?;
+        let cleanup = Cleanup::start(options.domain.clone(), options.domain.config()?, log_finding)
+            .map_err(|source| ServeError::System { what: "starting the cleanup thread".to_owned(), source })?;
         let node = create_node(&options.domain)?;
         memory::close_to_others(&options.domain)
             .map_err(|source| ServeError::System { what: "closing shared memory to other users".to_owned(), source })?;
@@ -216,4 +218,12 @@ fn create_node(domain: &Domain) -> Result<Arc<Node<Ipc>>, ServeError> {
     let node = node::create(&domain.config()?, SignalHandlingMode::HandleTerminationRequests)
         .map_err(|error| ServeError::transport("creating a node", &error))?;
     Ok(Arc::new(node))
+}
+
+fn log_finding(finding: Finding) {
+    match finding {
+        Finding::Unfinished(removed) => tracing::info!(removed, "segments that killed peers left unfinished"),
+        Finding::Left(removed) => tracing::info!(removed, "files that killed peers left"),
+        Finding::Failed(error) => tracing::warn!(%error, "looking for what killed peers left"),
+    }
 }

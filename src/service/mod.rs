@@ -12,12 +12,13 @@
 //! writing.
 //!
 //! The folders, from the bottom up: `repair` (one frame moved to where nothing intersects), [`session`] (one cloth and
-//! its frames), [`requests`] (what clients ask for, and the sessions that are open), `housekeeping` (resources of
-//! crashed peers, limits of this process). `daemon` is on top.
+//! its frames), [`requests`] (what clients ask for, and the sessions that are open), `descriptors` (a limit of this
+//! process). `daemon` is on top. Housekeeping, which removes the resources of crashed peers, is
+//! [`untangled_transport::housekeeping`].
 
 mod daemon;
+mod descriptors;
 mod error;
-mod housekeeping;
 mod metrics;
 mod options;
 mod pool;

@@ -34,7 +34,7 @@
 
 mod client;
 mod contacts;
-mod control;
+pub mod control;
 mod error;
 mod registration;
 mod session;

@@ -10,10 +10,12 @@
 //! | [`lock`] | one daemon at a time in a domain; wipes a domain that no process uses |
 //! | [`services`] | creates and opens the iceoryx2 services |
 //! | [`memory`] | free space, committed pages, unfinished segments |
+//! | [`housekeeping`] | removes the resources of crashed peers |
 //! | [`process_id`] | process ids in the names of files, to find resources of crashed peers |
 
 pub mod domain;
 pub mod folders;
+pub mod housekeeping;
 pub mod lock;
 pub mod memory;
 pub mod node;

@@ -43,6 +43,12 @@ fn explain_among(domain: &Domain, places: &[PathBuf]) -> String {
     words
 }
 
+/// Whether a daemon serves a domain: its lock is held, which ends with its process, however that ends.
+#[must_use]
+pub fn is_served(domain: &Domain) -> bool {
+    domain.is_announced() && is_held(&domain.lock_path())
+}
+
 /// The domains below a folder that a daemon serves, in alphabetical order: their locks are held.
 fn served(base: &Path) -> Vec<String> {
     let Ok(entries) = folders::check(base).map_err(drop).and_then(|_| std::fs::read_dir(base).map_err(drop)) else {

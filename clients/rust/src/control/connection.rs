@@ -24,7 +24,7 @@ pub(crate) const RETRY: Duration = Duration::from_millis(10);
 
 /// The node and the ports that a client and its sessions share.
 #[derive(Debug)]
-pub(crate) struct Connection {
+pub struct Connection {
     // Dropped in this order, ports before services before the node: each needs the next one for its own cleanup.
     notifier: Notifier<Ipc>,
     pub(crate) requests: Requests,
@@ -39,7 +39,10 @@ pub(crate) struct Connection {
 
 impl Connection {
     /// Opens the control services of a domain. Does not wait.
-    pub(crate) fn open(domain: &Domain, config: &Config, timeout: Duration) -> Result<Self, ConnectError> {
+    ///
+    /// # Errors
+    /// [`ConnectError`]; in particular where no daemon serves the domain.
+    pub fn open(domain: &Domain, config: &Config, timeout: Duration) -> Result<Self, ConnectError> {
         // Without a daemon there may be no folder, and a client creates none; or a daemon is about to wipe it.
         if !domain.is_announced() {
             return Err(RequestError::no_daemon(domain).into());
@@ -67,15 +70,34 @@ impl Connection {
     }
 
     /// Wakes the daemon.
-    pub(crate) fn wake(&self, event: usize) {
+    pub fn wake(&self, event: usize) {
         // An error means that the daemon is gone; the caller that waits for an answer reports that at its deadline.
         if let Err(error) = self.notifier.notify_with_custom_event_id(EventId::new(event)) {
             tracing::debug!(?error, "waking the daemon");
         }
     }
 
+    /// The domain.
+    #[must_use]
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// The node that ports of this process are made on.
+    #[must_use]
+    pub fn node(&self) -> &Node<Ipc> {
+        &self.node
+    }
+
+    /// How the samples of sessions that are registered here lie in shared memory.
+    #[must_use]
+    pub fn layout(&self) -> PayloadLayout {
+        self.layout
+    }
+
     /// The daemon's server. The server of a killed daemon counts until it is cleaned up.
-    pub(crate) fn server(&self) -> Option<UniqueServerId> {
+    #[must_use]
+    pub fn server(&self) -> Option<UniqueServerId> {
         server(&self.requests)
     }
 }

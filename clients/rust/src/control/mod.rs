@@ -1,11 +1,15 @@
-//! The connection to a daemon, and requests on it.
+//! The connection to a daemon, and requests on it, as they are on the wire: for programs that pass on what others ask
+//! for. A host uses [`Client`](crate::Client).
 
 mod connection;
 mod poll;
 mod request;
 mod room;
 
-pub(crate) use connection::{Connection, RETRY};
-pub(crate) use poll::{Backoff, SLICE, deadline_in};
-pub(crate) use request::{Pending, Reply};
-pub(crate) use room::{check_memory, commit_memory};
+pub use connection::Connection;
+pub(crate) use connection::RETRY;
+pub use poll::Backoff;
+pub(crate) use poll::{SLICE, deadline_in};
+pub(crate) use request::Reply;
+pub use request::{Pending, RawReply};
+pub use room::{check_memory, commit_memory};

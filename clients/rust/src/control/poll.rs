@@ -23,15 +23,23 @@ pub(crate) fn deadline_in(time: Duration) -> Instant {
 
 /// The length of the next short wait.
 #[derive(Debug)]
-pub(crate) struct Backoff(Duration);
+pub struct Backoff(Duration);
+
+impl Default for Backoff {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 impl Backoff {
-    pub(crate) fn new() -> Self {
+    /// The first one.
+    #[must_use]
+    pub fn new() -> Self {
         Self(FIRST)
     }
 
     /// Sleeps until an event comes or the short wait is over, at most for `most`.
-    pub(crate) fn sleep(&mut self, listener: &Listener<Ipc>, most: Duration) {
+    pub fn sleep(&mut self, listener: &Listener<Ipc>, most: Duration) {
         // An interrupted wait is a shorter one. A wait of less than a microsecond would never end.
         let _ = listener.timed_wait(|_| {}, most.min(self.0).max(Duration::from_micros(1)));
         self.0 = (GROWTH * self.0).min(SLICE);

@@ -20,13 +20,22 @@ use crate::error::RequestError;
 /// A request that was sent. It has a port of its own, so that the memory of a large registration is freed after the
 /// reply.
 #[derive(Debug)]
-pub(crate) struct Pending {
+pub struct Pending {
     response: PendingResponse<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
     listener: Listener<Ipc>,
     _port: RequestPort<Ipc, [u8], RequestHeader, [u8], ReplyHeader>,
     server: UniqueServerId,
     token: [u64; 2],
     pub(crate) sent: Instant,
+}
+
+/// A reply as it came: of any status, its payload not looked at.
+#[derive(Clone, Debug)]
+pub struct RawReply {
+    /// Its header.
+    pub header: ReplyHeader,
+    /// Its payload.
+    pub payload: Vec<u8>,
 }
 
 /// A reply with status 0.
@@ -45,6 +54,21 @@ impl Pending {
         payload: &[u8],
         num_sections: u32,
     ) -> Result<Self, RequestError> {
+        let header = RequestHeader {
+            protocol_version: PROTOCOL_VERSION,
+            kind: kind as u32,
+            session,
+            num_sections,
+            ..RequestHeader::default()
+        };
+        Self::forward(connection, &header, payload)
+    }
+
+    /// Sends a request as somebody else made it, under a token of its own, and wakes the daemon.
+    ///
+    /// # Errors
+    /// [`RequestError`]: there is no daemon, or no memory for the request.
+    pub fn forward(connection: &Connection, header: &RequestHeader, payload: &[u8]) -> Result<Self, RequestError> {
         let server = connection.server().ok_or_else(|| RequestError::no_daemon(&connection.domain))?;
         let needed = memory::request_segment_bytes(payload.len(), connection.layout);
         check_memory(needed)?;
@@ -67,14 +91,7 @@ impl Pending {
         let mut request = port
             .loan_slice_uninit(payload.len())
             .map_err(|error| RequestError::transport("loaning a request", &error))?;
-        *request.user_header_mut() = RequestHeader {
-            protocol_version: PROTOCOL_VERSION,
-            kind: kind as u32,
-            session,
-            num_sections,
-            token,
-            ..RequestHeader::default()
-        };
+        *request.user_header_mut() = RequestHeader { token, ..*header };
         let response = request
             .write_from_slice(payload)
             .send()
@@ -85,6 +102,19 @@ impl Pending {
 
     /// Waits for the reply, up to the deadline. Without a reply the request is still open: call again, or drop it.
     pub(crate) fn poll(&self, connection: &Connection, deadline: Instant) -> Result<Option<Reply>, RequestError> {
+        let Some(RawReply { header, payload }) = self.poll_raw(connection, deadline)? else { return Ok(None) };
+        let text = String::from_utf8_lossy(&payload).into_owned();
+        match Status::from_code(header.status) {
+            Some(Status::Ok) => Ok(Some(Reply { header, text })),
+            status => Err(RequestError::Refused { status: status.unwrap_or(Status::Internal), message: text }),
+        }
+    }
+
+    /// Waits for the reply, up to the deadline, and takes a refusal for a reply as well.
+    ///
+    /// # Errors
+    /// [`RequestError`]: the daemon went away.
+    pub fn poll_raw(&self, connection: &Connection, deadline: Instant) -> Result<Option<RawReply>, RequestError> {
         let mut backoff = Backoff::new();
         loop {
             if let Some(reply) = self.receive()? {
@@ -110,7 +140,7 @@ impl Pending {
         })
     }
 
-    fn receive(&self) -> Result<Option<Reply>, RequestError> {
+    fn receive(&self) -> Result<Option<RawReply>, RequestError> {
         let response = loop {
             let received = self.response.receive();
             match received.map_err(|error| RequestError::transport("receiving a reply", &error))? {
@@ -120,12 +150,7 @@ impl Pending {
                 None => return Ok(None),
             }
         };
-        let header = *response.user_header();
-        let text = String::from_utf8_lossy(response.payload()).into_owned();
-        match Status::from_code(header.status) {
-            Some(Status::Ok) => Ok(Some(Reply { header, text })),
-            status => Err(RequestError::Refused { status: status.unwrap_or(Status::Internal), message: text }),
-        }
+        Ok(Some(RawReply { header: *response.user_header(), payload: response.payload().to_vec() }))
     }
 }
 

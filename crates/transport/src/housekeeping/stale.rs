@@ -12,7 +12,7 @@ use std::{
 };
 
 use iceoryx2::prelude::Config;
-use untangled_transport::{
+use crate::{
     Domain, memory, node,
     process_id::{self, ProcessId},
 };
@@ -118,7 +118,7 @@ mod tests {
     use std::fs;
 
     use iceoryx2::prelude::SignalHandlingMode;
-    use untangled_transport::{lock::WipeOnLeave, services};
+    use crate::{lock::WipeOnLeave, services};
 
     use super::*;
 

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use untangled_transport::{
+use crate::{
     Domain, memory,
     process_id::{self, ProcessId},
 };

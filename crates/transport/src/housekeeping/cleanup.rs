@@ -4,31 +4,46 @@
 //! of that segment ends the wait.
 
 use std::{
+    io,
     sync::mpsc::{RecvTimeoutError, Sender, channel},
     thread::JoinHandle,
     time::Duration,
 };
 
-use untangled_transport::{Domain, memory};
+use iceoryx2::prelude::Config;
 
 use super::{changes::ChangeDetector, stale::StaleResources};
-use crate::service::error::ServeError;
+use crate::{Domain, memory};
 
 /// Time between two runs.
 const INTERVAL: Duration = Duration::from_secs(1);
 
+/// What the thread has done, for a log.
+#[derive(Debug)]
+pub enum Finding {
+    /// So many segments were removed that killed peers left unfinished.
+    Unfinished(usize),
+    /// So many files were removed that killed peers left.
+    Left(usize),
+    /// The search failed.
+    Failed(io::Error),
+}
+
 /// The thread; it ends when this is dropped.
 #[derive(Debug)]
-pub(crate) struct Cleanup {
+pub struct Cleanup {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Cleanup {
-    /// Removes unfinished segments once, then starts the thread.
-    pub(crate) fn start(domain: Domain) -> Result<Self, ServeError> {
-        let config = domain.config()?;
-        remove_unfinished(&domain);
+    /// Removes unfinished segments once, then starts the thread. `config` is that of the domain; `report` gets what was
+    /// found, and nothing where there was nothing.
+    ///
+    /// # Errors
+    /// What the system says where it starts no thread.
+    pub fn start(domain: Domain, config: Config, report: impl Fn(Finding) + Send + 'static) -> io::Result<Self> {
+        remove_unfinished(&domain, &report);
         let (stop, stopped) = channel();
         let thread = std::thread::Builder::new().name("cleanup".into()).spawn(move || {
             let (mut stale, mut changes) = (StaleResources::default(), ChangeDetector::new(&domain));
@@ -36,16 +51,14 @@ impl Cleanup {
                 if changes.is_unchanged() && stale.is_empty() {
                     continue;
                 }
-                remove_unfinished(&domain);
+                remove_unfinished(&domain, &report);
                 match stale.sweep(&domain, &config) {
                     Ok(0) => {}
-                    Ok(removed) => tracing::info!(removed, "files that killed peers left"),
-                    Err(error) => tracing::warn!(%error, "looking for what killed peers left"),
+                    Ok(removed) => report(Finding::Left(removed)),
+                    Err(error) => report(Finding::Failed(error)),
                 }
             }
-        });
-        let thread =
-            thread.map_err(|source| ServeError::System { what: "starting the cleanup thread".to_owned(), source })?;
+        })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }
@@ -60,10 +73,10 @@ impl Drop for Cleanup {
     }
 }
 
-fn remove_unfinished(domain: &Domain) {
+fn remove_unfinished(domain: &Domain, report: &impl Fn(Finding)) {
     match memory::remove_unfinished(domain, memory::UNFINISHED_AGE) {
         Ok(0) => {}
-        Ok(removed) => tracing::info!(removed, "segments that killed peers left unfinished"),
-        Err(error) => tracing::warn!(%error, "looking for what killed peers left"),
+        Ok(removed) => report(Finding::Unfinished(removed)),
+        Err(error) => report(Finding::Failed(error)),
     }
 }

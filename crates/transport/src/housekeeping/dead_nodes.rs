@@ -3,32 +3,34 @@
 use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::Node;
-use untangled_transport::{Domain, node as nodes, services::Ipc};
-
 use super::changes::ChangeDetector;
+use crate::{Domain, node as nodes, services::Ipc};
 
 /// When dead nodes were last looked for.
 #[derive(Debug)]
-pub(crate) struct DeadNodes {
+pub struct DeadNodes {
     last: Instant,
     changes: ChangeDetector,
 }
 
 impl DeadNodes {
     /// How often dead nodes are looked for.
-    pub(crate) const INTERVAL: Duration = Duration::from_millis(500);
+    pub const INTERVAL: Duration = Duration::from_millis(500);
 
-    pub(crate) fn new(domain: &Domain) -> Self {
+    /// None yet.
+    #[must_use]
+    pub fn new(domain: &Domain) -> Self {
         Self { last: Instant::now(), changes: ChangeDetector::new(domain) }
     }
 
     /// Whether an interval has passed since the last cleanup.
-    pub(crate) fn is_due(&self) -> bool {
+    #[must_use]
+    pub fn is_due(&self) -> bool {
         self.last.elapsed() >= Self::INTERVAL
     }
 
     /// Cleans up dead nodes, unless nothing has changed since the last time.
-    pub(crate) fn clean_up(&mut self, node: &Node<Ipc>) {
+    pub fn clean_up(&mut self, node: &Node<Ipc>) {
         if !self.changes.is_unchanged() {
             nodes::clean_up_dead(node);
         }
