@@ -306,7 +306,8 @@ typedef struct {
     const float *displacements;
     // Displacements in metres, `num_vertices x 3`, of a session in double precision; else null.
     const double *displacements_f64;
-    // 1 where an exact check found no crossing in the repaired state, else 0.
+    // 1 where an exact check found no crossing in the repaired state, and no cloth inside of a body or behind an inner
+    // layer; else 0.
     uint32_t certified;
     // 1 where time was up, else 0.
     uint32_t truncated;
@@ -342,6 +343,8 @@ typedef struct {
     uint64_t num_replaced;
     // What `untangled_release_repair` knows it by.
     uint64_t token;
+    // Vertices of cloth behind an inner layer in the repaired state; 0 without layers.
+    uint64_t num_behind;
 } untangled_repair;
 
 // Value and flags of a vertex, with its index.

@@ -189,7 +189,8 @@ public:
         }
     }
 
-    /// Whether an exact check found no crossing in what the host has after adding the displacements.
+    /// Whether an exact check found no crossing, and no cloth inside of a body or behind an inner layer, in what the
+    /// host has after adding the displacements.
     bool certified() const noexcept { return view_.certified != 0; }
     /// Whether time was up: the displacements lead to the best state so far.
     bool truncated() const noexcept { return view_.truncated != 0; }

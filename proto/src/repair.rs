@@ -4,7 +4,7 @@ use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Flag in [`RepairHeader::flags`]: an exact check found no crossing at the bits that the host has after adding the
-/// displacement in the precision of its session.
+/// displacement in the precision of its session, and no vertex inside of a body or behind an inner layer.
 pub const CERTIFIED: u32 = 1;
 /// Flag in [`RepairHeader::flags`]: time was up; the displacement leads to the best state so far.
 pub const TRUNCATED: u32 = 1 << 1;
@@ -58,6 +58,8 @@ pub struct RepairHeader {
     pub num_replaced: u64,
     /// Vertices of cloth inside of a body in the repaired state, as the check counts them.
     pub num_inside_body: u64,
+    /// Vertices of cloth behind an inner layer in the repaired state, as the check counts them.
+    pub num_behind: u64,
     /// Zero.
-    pub reserved: [u64; 4],
+    pub reserved: [u64; 3],
 }

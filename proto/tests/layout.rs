@@ -44,7 +44,7 @@ fn headers_keep_layout_and_type_name() {
         fault_value @ 40, num_edge_face_intersections @ 48, num_crossings @ 56, num_pairs @ 64, contour_length_m @ 72,
         mean_displacement_m @ 80, max_displacement_m @ 88, min_edge_ratio @ 96, max_edge_ratio @ 104,
         min_area_ratio @ 112, num_iterations @ 120, waited_ns @ 128, repair_ns @ 136, num_replaced @ 144,
-        num_inside_body @ 152, reserved @ 160,
+        num_inside_body @ 152, num_behind @ 160, reserved @ 168,
     });
     pin!(PathsHeader, "untangled.v1.PathsHeader", size 64, align 8, {
         frame @ 0, num_paths @ 8, num_points @ 12, reserved @ 16,

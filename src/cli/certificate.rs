@@ -11,7 +11,10 @@ use std::{
 
 use serde::Serialize;
 
-use untangled_checker::{CheckError, PolygonRef, fan_crossings, polygon_crossings, vertices_inside};
+use untangle::{mesh::VertexId, sides::Layers};
+use untangled_checker::{
+    CheckError, PolygonRef, fan_crossings, polygon_crossings, vertices_behind_layers, vertices_inside,
+};
 use untangled_mesh_io::MeshFile;
 
 use super::{input::Input, roles::Roles, wording::Counted};
@@ -36,10 +39,17 @@ pub struct Certificate {
     /// The same in single precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub num_vertices_inside_body_single: Option<usize>,
+    /// Vertices of the cloth behind a layer that lies further in, in double precision; nothing without layers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_behind: Option<usize>,
+    /// The same in single precision.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub num_vertices_behind_single: Option<usize>,
 }
 
 impl Certificate {
-    /// Judges the world of `files` and bodies. What bodies cross of themselves is left out.
+    /// Judges the world of `files` and bodies. What bodies cross of themselves is left out. What is outwards of layers is
+    /// what the input says, or what it looks like in the input.
     pub(super) fn of(files: &[MeshFile], roles: &Roles, input: &Input) -> Self {
         let surface = Surface::new(files, roles, input);
         let single = surface.in_single_precision();
@@ -47,6 +57,8 @@ impl Certificate {
         Self {
             num_vertices_inside_body: inside(&surface),
             num_vertices_inside_body_single: single.as_ref().and_then(inside),
+            num_vertices_behind: surface.num_vertices_behind(),
+            num_vertices_behind_single: single.as_ref().and_then(Surface::num_vertices_behind),
             ..Self::of_crossings(&surface, single.as_ref())
         }
     }
@@ -78,12 +90,18 @@ impl Certificate {
         self.total() == 0
     }
 
-    /// Whether rounding to single precision alone brings crossings.
+    /// Whether rounding to single precision alone brings crossings, or vertices to the wrong side.
     pub(super) fn is_tangled_by_rounding(&self) -> bool {
-        let (double, single) = (self.num_vertices_inside_body, self.num_vertices_inside_body_single);
-        self.num_crossings == 0
-            && double.unwrap_or(0) == 0
-            && (self.num_crossings_single.is_some_and(|count| count > 0) || single.unwrap_or(0) > 0)
+        let [double, single] = self.num_wrong();
+        let is_clean = self.num_crossings == 0 && double == 0;
+        is_clean && (self.num_crossings_single.is_some_and(|count| count > 0) || single > 0)
+    }
+
+    /// Vertices on the wrong side of a body or a layer, in double precision and in single precision.
+    pub(super) fn num_wrong(&self) -> [usize; 2] {
+        let double = [self.num_vertices_inside_body, self.num_vertices_behind];
+        let single = [self.num_vertices_inside_body_single, self.num_vertices_behind_single];
+        [double, single].map(|counts| counts.into_iter().flatten().sum())
     }
 
     /// All crossings together, to compare two states by.
@@ -93,8 +111,7 @@ impl Certificate {
             + self.num_crossings_first_corner
             + self.num_polygon_pairs
             + self.num_polygon_pairs_single.unwrap_or(0)
-            + self.num_vertices_inside_body.unwrap_or(0)
-            + self.num_vertices_inside_body_single.unwrap_or(0)
+            + self.num_wrong().iter().sum::<usize>()
     }
 }
 
@@ -113,9 +130,14 @@ impl Display for Certificate {
         if pairs > self.num_crossings {
             writeln!(f, "  polygons split along any diagonals: {}", Counted(pairs, "crossing polygon pair"))?;
         }
-        let inside = self.num_vertices_inside_body_single.unwrap_or(0);
-        if inside > self.num_vertices_inside_body.unwrap_or(0) {
-            writeln!(f, "  rounded to single precision: {} inside of a body", Counted(inside, "vertex"))?;
+        for (single, double, place) in [
+            (self.num_vertices_inside_body_single, self.num_vertices_inside_body, "inside of a body"),
+            (self.num_vertices_behind_single, self.num_vertices_behind, "behind an inner layer"),
+        ] {
+            let single = single.unwrap_or(0);
+            if single > double.unwrap_or(0) {
+                writeln!(f, "  rounded to single precision: {} {place}", Counted(single, "vertex"))?;
+            }
         }
         Ok(())
     }
@@ -130,10 +152,38 @@ pub(super) struct Surface {
     pub(super) polygons: Vec<[Range<usize>; 2]>,
     /// The first polygon and triangle of bodies.
     first_of_bodies: [usize; 2],
+    layers: Option<SurfaceLayers>,
+}
+
+/// What layers the cloth of a surface is in.
+#[derive(Clone)]
+struct SurfaceLayers {
+    /// Triangles of the cloth by welded vertices: no layer ends at a seam.
+    cloth: Vec<[u32; 3]>,
+    /// The layer of each vertex.
+    numbers: Vec<u32>,
+    /// For each triangle of the cloth whether it points outwards.
+    are_outwards: Vec<bool>,
+}
+
+impl SurfaceLayers {
+    /// Nothing where the cloth is in no layers; `cloth` are its triangles.
+    fn of(Input { weld, mesh, frame, positions }: &Input, cloth: &[[u32; 3]]) -> Option<Self> {
+        let numbers = mesh.layers()?;
+        let decided = mesh.outwards().is_none().then(|| Layers::decide(mesh.clone(), frame));
+        let are_outwards = decided.as_ref().unwrap_or(mesh).outwards()?.iter().take(cloth.len()).copied().collect();
+        let of_mesh = |vertex: usize| weld.of(VertexId::from_index(vertex).0);
+        Some(Self {
+            cloth: cloth.iter().map(|corners| corners.map(|vertex| weld.first(weld.of(vertex)))).collect(),
+            numbers: (0..positions.len()).map(|vertex| numbers[of_mesh(vertex).index()]).collect(),
+            are_outwards,
+        })
+    }
 }
 
 impl Surface {
-    pub(super) fn new(files: &[MeshFile], roles: &Roles, Input { weld, positions, .. }: &Input) -> Self {
+    pub(super) fn new(files: &[MeshFile], roles: &Roles, input: &Input) -> Self {
+        let Input { weld, positions, .. } = input;
         let (mut triangles, mut corners, mut polygons) = (Vec::new(), Vec::new(), Vec::new());
         let mut first = 0;
         // Vertices that are welded within a distance are judged as one, in one place. Those in exactly one place need
@@ -163,7 +213,8 @@ impl Surface {
                 first_of_bodies = [polygons.len(), triangles.len()];
             }
         }
-        Self { positions, triangles, corners, polygons, first_of_bodies }
+        let layers = SurfaceLayers::of(input, &triangles[..first_of_bodies[1]]);
+        Self { positions, triangles, corners, polygons, first_of_bodies, layers }
     }
 
     /// The same as a reader of single precision sees it, unless a coordinate is beyond that.
@@ -176,6 +227,7 @@ impl Surface {
             corners: self.corners.clone(),
             polygons: self.polygons.clone(),
             first_of_bodies: self.first_of_bodies,
+            layers: self.layers.clone(),
         })
     }
 
@@ -198,6 +250,12 @@ impl Surface {
         let (cloth, body) = self.triangles.split_at(self.first_of_bodies[1]);
         let vertices: BTreeSet<u32> = cloth.iter().flatten().copied().collect();
         sure(vertices_inside(&self.positions, vertices, body)).len()
+    }
+
+    /// Vertices of the cloth that are behind a layer further in; nothing without layers.
+    fn num_vertices_behind(&self) -> Option<usize> {
+        let SurfaceLayers { cloth, numbers, are_outwards } = self.layers.as_ref()?;
+        Some(sure(vertices_behind_layers(&self.positions, cloth, numbers, are_outwards)).len())
     }
 
     fn polygon_refs(&self) -> impl Iterator<Item = PolygonRef<'_>> {

@@ -171,7 +171,7 @@ pub(crate) fn fix<'py>(
     if let Some(error) = raised {
         return Err(error);
     }
-    described(py, &mesh, repaired, verdict)
+    described(py, repaired, verdict)
 }
 
 /// The effort of a name.
@@ -188,14 +188,12 @@ fn effort(quality: &str) -> PyResult<Effort> {
 }
 
 /// A repaired state as Python reads it.
-fn described<'py>(py: Python<'py>, mesh: &Mesh, repaired: Repaired, verdict: Verdict) -> PyResult<Bound<'py, PyDict>> {
-    let frame = Frame::new(mesh, &repaired.positions).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    let [_, behind] = py.detach(|| wrong_vertices(mesh, &frame));
+fn described(py: Python<'_>, repaired: Repaired, verdict: Verdict) -> PyResult<Bound<'_, PyDict>> {
     let result = PyDict::new(py);
     result.set_item("vertices", PyByteArray::new(py, &of_f64s(repaired.positions.into_iter().flatten())))?;
     result.set_item("num_edge_face_intersections", verdict.num_edge_face)?;
     result.set_item("num_inside_body", verdict.num_inside)?;
-    result.set_item("num_behind", behind.len())?;
+    result.set_item("num_behind", verdict.num_behind)?;
     result.set_item("num_pairs_below", verdict.num_pairs_below)?;
     result.set_item("num_iterations", repaired.num_iterations)?;
     let blocked = PyList::empty(py);

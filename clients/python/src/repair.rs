@@ -53,6 +53,7 @@ impl NativeRepair {
         dict.set_item("num_edge_face_intersections", header.num_edge_face_intersections)?;
         dict.set_item("num_crossings", header.num_crossings)?;
         dict.set_item("num_inside_body", header.num_inside_body)?;
+        dict.set_item("num_behind", header.num_behind)?;
         dict.set_item("num_pairs", header.num_pairs)?;
         dict.set_item("contour_length_m", header.contour_length_m)?;
         dict.set_item("mean_displacement_m", header.mean_displacement_m)?;

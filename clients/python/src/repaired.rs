@@ -6,7 +6,7 @@ use untangle::{
     mesh::Mesh,
     relax::{BlockedPath, InfeasiblePlace, Iteration, RelaxError, RelaxSettings, open_gap, relax},
 };
-use untangled_checker::{CheckError, edge_face_hits, near_pairs, vertices_inside};
+use untangled_checker::{CheckError, edge_face_hits, near_pairs, vertices_behind_layers, vertices_inside};
 
 /// A repaired state, and what is left.
 pub(crate) struct Repaired {
@@ -49,12 +49,14 @@ pub(crate) struct Verdict {
     pub(crate) num_edge_face: usize,
     /// Vertices of cloth inside of a body.
     pub(crate) num_inside: usize,
+    /// Vertices of cloth behind an inner layer.
+    pub(crate) num_behind: usize,
     /// Pairs of primitives below the gap, if there is one.
     pub(crate) num_pairs_below: Option<usize>,
 }
 
 impl Verdict {
-    /// Judges a state.
+    /// Judges a state. The mesh says what is outwards of its layers.
     pub(crate) fn of(mesh: &Mesh, positions: &[[f64; 3]], gap_m: Option<f64>) -> Result<Self, CheckError> {
         let corners = |face| mesh.face(face).map(|vertex| vertex.0);
         let cloth: Vec<[u32; 3]> = mesh.face_ids().filter(|&face| !mesh.is_body_face(face)).map(corners).collect();
@@ -67,9 +69,18 @@ impl Verdict {
         Ok(Self {
             num_edge_face: count_edge_face(positions, &triangles, &of_body)?,
             num_inside: if body.is_empty() { 0 } else { vertices_inside(positions, of_cloth, &body)?.len() },
+            num_behind: num_behind(mesh, positions, &cloth)?,
             num_pairs_below: gap_m.map(near).transpose()?,
         })
     }
+}
+
+/// Vertices of cloth behind an inner layer; `cloth` are the faces that are not those of bodies.
+fn num_behind(mesh: &Mesh, positions: &[[f64; 3]], cloth: &[[u32; 3]]) -> Result<usize, CheckError> {
+    let (Some(numbers), Some(outwards)) = (mesh.layers(), mesh.outwards()) else { return Ok(0) };
+    let faces = mesh.face_ids().filter(|&face| !mesh.is_body_face(face));
+    let are_outwards: Vec<bool> = faces.map(|face| outwards[face.index()]).collect();
+    Ok(vertices_behind_layers(positions, cloth, numbers, &are_outwards)?.len())
 }
 
 /// Edges that pierce a face, but those of bodies that pierce a face of one.

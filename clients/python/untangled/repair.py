@@ -37,7 +37,10 @@ class Repair:
 
     @property
     def certified(self) -> bool:
-        """Whether an exact check found no crossing, and no cloth inside of a body, in the repaired positions."""
+        """Whether an exact check found no crossing in the repaired positions, and no cloth on the wrong side.
+
+        The wrong side is the inside of a body, or behind an inner layer.
+        """
         return self._header["certified"]
 
     @property
@@ -56,5 +59,7 @@ class Repair:
         return dict(self._header)
 
     def __repr__(self) -> str:
-        state = "certified" if self.certified else f"{self.num_intersections} intersections left"
+        num_wrong = self._header["num_inside_body"] + self._header["num_behind"]
+        left = f"{self.num_intersections} intersections left, {num_wrong} vertices on the wrong side"
+        state = "certified" if self.certified else left
         return f"<untangled.Repair of frame {self.frame}: {state}>"

@@ -20,7 +20,8 @@ pub struct Registration {
     pub masses_kg: Option<Vec<f64>>,
     /// Vertices that the host does not let move.
     pub pins: Vec<u32>,
-    /// Layer of each vertex, `num_vertices`, from the body outwards.
+    /// Layer of each vertex, `num_vertices`, from the body outwards. What is outwards is decided by `rest_positions`,
+    /// else in each frame by itself.
     pub layers: Option<Vec<u32>>,
     /// Vertices of bodies: the host alone moves them, cloth belongs outside of them, and they get no corrections. A
     /// face has all of its corners among them, or none. Bodies may intersect each other and themselves. A daemon that

@@ -5,14 +5,53 @@
 //! and Aanaes 2005). A point whose nearest point is on the boundary lies beyond the layer, not over it. Unlike the
 //! other decisions of this crate it is one of rounded numbers: it is asked of layers that are apart.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use crate::{CheckError, primitive::Point, validate};
+use crate::{CheckError, distance::Boxes, primitive::Point, tree::Extent, validate};
+
+/// Layers lie over each other within this part of the diagonal of the box round the inner one.
+const REACH: f64 = 0.1;
+
+/// The vertices of a cloth in layers that are behind a layer further in, ascending, each once. `numbers` are the layers
+/// of all vertices, the innermost the lowest, and `are_outwards` says of each triangle whether it points outwards as it
+/// is given. Layers lie over each other within a tenth of the diagonal of the box round the inner one.
+///
+/// Cost: O(n log n) for each layer.
+///
+/// # Errors
+/// [`CheckError`], naming the vertex or triangle at fault.
+///
+/// # Panics
+/// If there are less numbers than vertices that triangles name.
+pub fn vertices_behind_layers(
+    positions: &[Point],
+    cloth: &[[u32; 3]],
+    numbers: &[u32],
+    are_outwards: &[bool],
+) -> Result<Vec<u32>, CheckError> {
+    validate(positions, cloth)?;
+    let mut layers: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
+    for (&[a, b, c], &is_outwards) in cloth.iter().zip(are_outwards).filter(|([a, b, c], _)| a != b && b != c && c != a)
+    {
+        let turned = if is_outwards { [a, b, c] } else { [a, c, b] };
+        layers.entry(numbers[a as usize]).or_default().push(turned);
+    }
+    let vertices: BTreeSet<u32> = layers.values().flatten().flatten().copied().collect();
+    let mut behind = BTreeSet::new();
+    for (&number, inner) in &layers {
+        let Extent { low, high } = Extent::of(inner.iter().flatten().map(|&vertex| positions[vertex as usize]));
+        let diagonal = sub(high, low);
+        let reach_m = REACH * dot(diagonal, diagonal).sqrt();
+        let outer = vertices.iter().copied().filter(|&vertex| numbers[vertex as usize] > number);
+        behind.extend(vertices_behind(positions, outer, inner, reach_m)?);
+    }
+    Ok(behind.into_iter().collect())
+}
 
 /// Those of some vertices that are behind an inner layer, in their order. The triangles of the layer point outwards.
 /// Points that are farther from it than `reach_m` are not over it.
 ///
-/// Cost: the vertices times the triangles.
+/// Cost: O(n log n) in the triangles and vertices.
 ///
 /// # Errors
 /// [`CheckError`], naming the vertex or triangle at fault.
@@ -23,19 +62,20 @@ pub fn vertices_behind(
     reach_m: f64,
 ) -> Result<Vec<u32>, CheckError> {
     validate(positions, inner)?;
-    let layer = Layer::of(positions, inner);
+    let layer = Surface::of(positions, inner);
     let is_behind = |vertex: &u32| layer.is_behind(positions, positions[*vertex as usize], reach_m);
     Ok(vertices.into_iter().filter(is_behind).collect())
 }
 
 /// A layer with the normals of its edges and corners; none for those on the boundary.
-struct Layer<'a> {
+struct Surface<'a> {
     triangles: &'a [[u32; 3]],
+    boxes: Boxes,
     at_edges: HashMap<[u32; 2], Option<Point>>,
     at_corners: HashMap<u32, Option<Point>>,
 }
 
-impl<'a> Layer<'a> {
+impl<'a> Surface<'a> {
     fn of(positions: &[Point], triangles: &'a [[u32; 3]]) -> Self {
         let mut edges: HashMap<[u32; 2], (usize, Point)> = HashMap::new();
         let mut corners: HashMap<u32, Point> = HashMap::new();
@@ -59,26 +99,25 @@ impl<'a> Layer<'a> {
             }
         }
         let normal = |(count, sum): (usize, Point)| (count > 1).then_some(sum);
-        Self { triangles, at_edges: edges.into_iter().map(|(ends, sum)| (ends, normal(sum))).collect(), at_corners }
+        let boxes = Boxes::new(triangles.iter().map(|triangle| triangle.map(|vertex| positions[vertex as usize])));
+        let at_edges = edges.into_iter().map(|(ends, sum)| (ends, normal(sum))).collect();
+        Self { triangles, boxes, at_edges, at_corners }
     }
 
     fn is_behind(&self, positions: &[Point], at: Point, reach_m: f64) -> bool {
-        let mut nearest = (reach_m * reach_m, None);
-        for triangle in self.triangles {
-            let corners = triangle.map(|vertex| positions[vertex as usize]);
-            let weights = nearest_weights(at, corners);
-            let place = [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum());
-            let from = sub(at, place);
-            if dot(from, from) < nearest.0 {
-                nearest = (dot(from, from), Some((triangle, corners, weights, from)));
-            }
-        }
-        let Some((triangle, corners, weights, from)) = nearest.1 else { return false };
+        let corners = |index: usize| self.triangles[index].map(|vertex| positions[vertex as usize]);
+        let from = |index: usize| {
+            let (corners, weights) = (corners(index), nearest_weights(at, corners(index)));
+            sub(at, [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum()))
+        };
+        let nearest = self.boxes.nearest(at, reach_m * reach_m, |index| dot(from(index), from(index)));
+        let Some(nearest) = nearest else { return false };
+        let (triangle, weights, from) = (self.triangles[nearest], nearest_weights(at, corners(nearest)), from(nearest));
         let on: Vec<u32> = (0..3).filter(|&k| weights[k] > 0.0).map(|k| triangle[k]).collect();
         let normal = match on[..] {
             [corner] => self.at_corners[&corner],
             [a, b] => self.at_edges[&[a.min(b), a.max(b)]],
-            _ => Some(normal_of(corners)),
+            _ => Some(normal_of(corners(nearest))),
         };
         normal.is_some_and(|normal| dot(from, normal) < 0.0)
     }

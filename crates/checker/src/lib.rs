@@ -11,6 +11,7 @@
 //!   crosses of itself is left out.
 //! - [`vertices_inside`]: which vertices of a cloth are inside of a body.
 //! - [`vertices_behind`]: which vertices of a layer are behind one that lies further in; by rounded numbers.
+//!   [`vertices_behind_layers`] asks that of all layers in order.
 //! - [`near_pairs`]: which primitives without a common vertex are nearer than a distance. At exactly the distance they
 //!   are not.
 //!
@@ -31,7 +32,7 @@ mod tree;
 
 use thiserror::Error;
 
-pub use behind::vertices_behind;
+pub use behind::{vertices_behind, vertices_behind_layers};
 pub use distance::{NearPairs, near_pairs};
 pub use fans::{fan_crossings, polygon_crossings};
 pub use inside::vertices_inside;

@@ -34,6 +34,12 @@ impl Extent {
         (0..3).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 
+    /// The square of the distance of a point, rounded.
+    pub(crate) fn squared(&self, at: Point) -> f64 {
+        let beyond = |axis: usize| (self.low[axis] - at[axis]).max(at[axis] - self.high[axis]).max(0.0);
+        (0..3).map(|axis| beyond(axis) * beyond(axis)).sum()
+    }
+
     fn join(&self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis].min(other.low[axis])),

@@ -37,8 +37,7 @@ impl View {
         if !counts.is_clean() {
             return Some(Self { mesh: state.mesh.clone(), frame: state.frame.clone(), single_precision: false });
         }
-        let num_inside = certificate.num_vertices_inside_body.unwrap_or(0);
-        if certificate.is_clean() || certificate.num_crossings > 0 || num_inside > 0 {
+        if certificate.is_clean() || certificate.num_crossings > 0 || certificate.num_wrong()[0] > 0 {
             return None;
         }
         if certificate.is_tangled_by_rounding() {

@@ -50,9 +50,9 @@ struct Reached {
 }
 
 impl Reached {
-    /// What is wrong: what intersects or is inside of a body, and what the judge alone finds.
+    /// What is wrong: what intersects or is on the wrong side of a body or a layer, and what the judge alone finds.
     fn rank(&self) -> (usize, usize) {
-        (self.found.edge_face.len().saturating_add(self.verdict.num_inside), self.verdict.num_crossings)
+        (self.found.edge_face.len().saturating_add(self.verdict.num_wrong()), self.verdict.num_crossings)
     }
 
     fn is_certified(&self) -> bool {
@@ -90,7 +90,9 @@ pub(super) fn solve(task: &Task<'_>, should_stop: ShouldStop<'_>) -> (RepairHead
         }
         SearchEnd::OutOfTime => return (refused(Status::OutOfTime, 0.0), nothing()),
     }
-    let verdict = judge(mesh, positions);
+    let decided = decide_layers(mesh, &frame);
+    let task = &Task { mesh: decided.as_ref().unwrap_or(mesh), ..*task };
+    let verdict = judge(task.mesh, positions);
     let (displacements, positions) = (nothing(), positions.to_vec());
     let mut best = Reached { displacements, positions, frame, found, verdict };
     let (num_iterations, truncated) = match best.rank().0 == 0 {
@@ -101,12 +103,17 @@ pub(super) fn solve(task: &Task<'_>, should_stop: ShouldStop<'_>) -> (RepairHead
     (header, best.displacements)
 }
 
+/// The mesh with what is outwards of its layers decided by a frame, if rest positions have not: no round must turn
+/// round what the frame says.
+fn decide_layers(mesh: &Mesh, frame: &Frame) -> Option<Mesh> {
+    let is_open = mesh.layers().is_some() && mesh.outwards().is_none();
+    is_open.then(|| Layers::decide(mesh.clone(), frame))
+}
+
 /// Relaxes until a state is certified, or nothing helps. Gives back the number of iterations, and whether it was
 /// stopped.
 fn run_rounds(task: &Task<'_>, best: &mut Reached, should_stop: ShouldStop<'_>) -> (usize, bool) {
-    let Task { precision, .. } = *task;
-    // A round must not turn round what the frame said.
-    let mesh = &Layers::decide(task.mesh.clone(), &best.frame);
+    let Task { mesh, precision, .. } = *task;
     let mut num_iterations = 0;
     let mut start = task.positions.to_vec();
     for _ in 0..MOST_ROUNDS {
@@ -172,6 +179,7 @@ fn describe(task: &Task<'_>, best: &Reached, num_iterations: usize, truncated: b
         num_edge_face_intersections: best.found.edge_face.len() as u64,
         num_crossings: best.verdict.num_crossings as u64,
         num_inside_body: best.verdict.num_inside as u64,
+        num_behind: best.verdict.num_behind as u64,
         num_pairs: paths.pairs.len() as u64,
         // The sum of no lengths is a negative zero.
         contour_length_m: paths.pairs.iter().map(|pair| pair.length_m).sum::<f64>() + 0.0,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use untangle::{
     labels::VertexLabel,
     mesh::{Mesh, MeshDescription, MeshError, VertexId},
+    sides::Layers,
     weld::{Weld, WeldError},
 };
 
@@ -30,7 +31,7 @@ impl Cloth {
     /// # Errors
     /// [`MeshError`].
     pub fn new(description: MeshDescription) -> Result<Self, MeshError> {
-        Ok(Self { mesh: Arc::new(Mesh::new(description)?), seams: None })
+        Ok(Self { mesh: decided(Mesh::new(description)?), seams: None })
     }
 
     /// A cloth in which vertices with exactly one place in `positions`, in metres, are one along seams.
@@ -49,7 +50,7 @@ impl Cloth {
             if sum > 0.0 { mass(&vertex) / sum } else { equal }
         };
         let shares = (0..u32::try_from(weld.num_vertices()).unwrap_or(u32::MAX)).map(share).collect();
-        Ok(Self { mesh: Arc::new(mesh), seams: Some(Seams { weld, shares }) })
+        Ok(Self { mesh: decided(mesh), seams: Some(Seams { weld, shares }) })
     }
 
     /// The mesh, of welded vertices.
@@ -110,6 +111,12 @@ impl Cloth {
         host.sort_unstable_by_key(|label| (label.vertex, label.label));
         host
     }
+}
+
+/// The mesh of a session. What is outwards of its layers is decided here or in each frame by itself: no frame hangs on
+/// another one.
+fn decided(mesh: Mesh) -> Arc<Mesh> {
+    Arc::new(Layers::decide_at_rest(mesh))
 }
 
 #[cfg(test)]

@@ -84,6 +84,10 @@ fn fix_of_layers_through_each_other_and_of_layers_in_the_wrong_order_puts_them_i
                 files.iter().flat_map(|file| read_mesh(path.join(file)).unwrap().positions().to_vec()).collect();
             assert!(num_behind(path, files, &before) > 20, "{files:?}");
             assert_eq!(num_behind(path, files, out.positions()), 0, "{files:?}");
+            for number in ["num_vertices_behind", "num_vertices_behind_single"] {
+                let judged = |when: &str| report[when]["certificate"][number].as_u64().unwrap();
+                assert!(judged("before") > 20 && judged("after") == 0, "{files:?}: {number}");
+            }
         }
     }
 }
@@ -97,11 +101,13 @@ fn check_with_layers_counts_vertices_behind_and_is_not_clean_with_some() {
     assert_eq!((code, &report["num_face_pairs"]), (1, &0.into()));
     assert_eq!(report["layers"][0], serde_json::json!({"file": "vest.obj", "num_vertices_behind": 0}));
     assert!(report["layers"][1]["num_vertices_behind"].as_u64() > Some(300), "{}", report["layers"]);
+    assert_eq!(report["certificate"]["num_vertices_behind"], report["layers"][1]["num_vertices_behind"]);
     // The other way round they are in order.
     let (code, report) = check(&["below.obj", "vest.obj", "--layers"], path);
     assert_eq!((code, &report["layers"][1]["num_vertices_behind"]), (0, &0.into()));
     let (code, report) = check(&["vest.obj", "below.obj"], path);
     assert_eq!((code, &report["layers"]), (0, &().into()));
+    assert_eq!(report["certificate"]["num_vertices_behind"], serde_json::Value::Null);
 }
 
 #[test]

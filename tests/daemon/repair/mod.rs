@@ -5,5 +5,6 @@ mod body;
 mod cloth;
 mod exchange;
 mod hostile;
+mod layers;
 mod side_by_side;
 mod weld;

@@ -75,7 +75,8 @@ pub struct RepairView {
     pub displacements: *const f32,
     /// Displacements in metres, `num_vertices x 3`, of a session in double precision; else null.
     pub displacements_f64: *const f64,
-    /// 1 where an exact check found no crossing in the repaired state, else 0.
+    /// 1 where an exact check found no crossing in the repaired state, and no cloth inside of a body or behind an inner
+    /// layer; else 0.
     pub certified: u32,
     /// 1 where time was up, else 0.
     pub truncated: u32,
@@ -111,6 +112,8 @@ pub struct RepairView {
     pub num_replaced: u64,
     /// What `untangled_release_repair` knows it by.
     pub token: u64,
+    /// Vertices of cloth behind an inner layer in the repaired state; 0 without layers.
+    pub num_behind: u64,
 }
 
 impl CorrectionView {
@@ -177,6 +180,7 @@ impl RepairView {
             repair_ns: header.repair_ns,
             num_replaced: header.num_replaced,
             token,
+            num_behind: header.num_behind,
         }
     }
 }

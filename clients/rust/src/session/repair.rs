@@ -66,7 +66,8 @@ impl Repair {
         &self.header
     }
 
-    /// Whether an exact check found no crossing in what the host has after adding the displacements.
+    /// Whether an exact check found no crossing, and no cloth inside of a body or behind an inner layer, in what the
+    /// host has after adding the displacements.
     #[must_use]
     pub fn is_certified(&self) -> bool {
         self.header.flags & CERTIFIED != 0

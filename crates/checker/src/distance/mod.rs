@@ -11,7 +11,7 @@ mod search;
 use crate::{CheckError, primitive::Point, validate};
 
 use measure::{edges_near, vertex_near};
-use search::Boxes;
+pub(crate) use search::Boxes;
 
 /// Most pairs that are counted.
 const MOST_PAIRS: usize = 10_000_000;

@@ -1,12 +1,14 @@
-//! A tree of boxes round primitives, and which of them come within a distance of another one.
+//! A tree of boxes round primitives: which of them come within a distance of another one, and which is nearest.
 
 use crate::{primitive::Point, tree::Extent};
 
 /// Most primitives of a leaf.
 const LEAF: usize = 4;
+/// One, and more than rounding adds to the ratio of two distances.
+const ROUNDING: f64 = 1.0 + 1e-9;
 
 /// A binary tree, split in the middle of the order along the longest axis.
-pub(super) struct Boxes {
+pub(crate) struct Boxes {
     extents: Vec<Extent>,
     /// The primitives in the order of the leaves.
     order: Vec<usize>,
@@ -22,7 +24,7 @@ struct Node {
 }
 
 impl Boxes {
-    pub(super) fn new<const N: usize>(primitives: impl Iterator<Item = [Point; N]>) -> Self {
+    pub(crate) fn new<const N: usize>(primitives: impl Iterator<Item = [Point; N]>) -> Self {
         let extents: Vec<Extent> = primitives.map(Extent::of).collect();
         let order = (0..extents.len()).collect();
         let mut tree = Self { extents, order, nodes: Vec::new() };
@@ -76,5 +78,33 @@ impl Boxes {
                 members.filter(|&index| self.extents[index].overlaps(&near)).for_each(&mut found);
             }
         }
+    }
+
+    /// The primitive nearest to a point, the first of several; nothing where none is nearer than the root of
+    /// `most_squared`. `squared` is the square of its distance.
+    pub(crate) fn nearest(&self, at: Point, most_squared: f64, squared: impl Fn(usize) -> f64) -> Option<usize> {
+        let mut best: (f64, Option<usize>) = (most_squared, None);
+        let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![(0, self.nodes[0].extent.squared(at))] };
+        while let Some((node, from)) = stack.pop() {
+            // What rounding takes from the distance of a primitive is less than this.
+            if from > best.0 * ROUNDING {
+                continue;
+            }
+            let Node { start, end, second, .. } = self.nodes[node];
+            if let Some(second) = second {
+                let mut children = [node + 1, second].map(|child| (child, self.nodes[child].extent.squared(at)));
+                children.sort_by(|a, b| b.1.total_cmp(&a.1));
+                stack.extend(children);
+                continue;
+            }
+            for &index in &self.order[start..end] {
+                let distance = squared(index);
+                let is_first = best.1.is_some_and(|other| index < other);
+                if distance < best.0 || (is_first && distance <= best.0) {
+                    best = (distance, Some(index));
+                }
+            }
+        }
+        best.1
     }
 }

@@ -6,8 +6,8 @@
 //! is where a piece winds less round a point: a shirt that is open at its hems still winds round what is in it. A flat
 //! sheet says by its faces what is outwards: a dent in it winds round something too, on whichever side it is.
 //!
-//! What is outwards is decided once, from the input, and goes on with the mesh ([`Layers::decide`]): a repair bends
-//! sheets, and a state of it must not turn round what the input said.
+//! What is outwards is decided once, from the input or from rest positions, and goes on with the mesh
+//! ([`Layers::decide`]): a repair bends sheets, and a state of it must not turn round what the input said.
 
 use std::collections::BTreeMap;
 
@@ -33,6 +33,8 @@ const UNDECIDED: f64 = 1e-3;
 /// A piece is a flat sheet if its area vectors sum to more than this part of its area: an arc of less than a quarter
 /// turn, a cap of less than 37 degrees to each side.
 const FLAT: f64 = 0.9;
+/// Cloth that is no thicker than this part of its extent lies in one plane.
+const PLANE: f64 = 1e-6;
 /// Coinciding points, as a part of the diagonal.
 const TINY: f64 = 1e-10;
 
@@ -93,6 +95,19 @@ impl Layers {
         let layers = Self::of(&mesh, frame, Sides::of(&mesh, frame).as_ref());
         let outwards = layers.map(|layers| layers.outwards);
         mesh.with_outwards(outwards.as_deref())
+    }
+
+    /// The mesh, with what is outwards decided by its rest positions, for all frames of a session. A mesh without them
+    /// stays as it is, and so does one whose cloth they lay out in one plane: a pattern does not say how it is worn.
+    ///
+    /// Cost: that of [`Layers::decide`].
+    #[must_use]
+    pub fn decide_at_rest(mesh: Mesh) -> Mesh {
+        let rest = mesh.rest_positions().filter(|_| mesh.layers().is_some());
+        match rest.and_then(|rest| Frame::new(&mesh, rest).ok()).filter(|rest| !is_laid_out(&mesh, rest)) {
+            Some(rest) => Self::decide(mesh, &rest),
+            None => mesh,
+        }
     }
 
     /// The vertices of cloth that are behind an inner layer, ascending, each once: behind the layer that it is deepest
@@ -188,6 +203,21 @@ impl<'a> LayerState<'a> {
         let (u, v) = (b - a, c - a);
         libm::atan2(u.cross(&v).norm(), u.dot(&v))
     }
+}
+
+/// Whether all cloth lies in one plane.
+fn is_laid_out(mesh: &Mesh, frame: &Frame) -> bool {
+    let place = |vertex: VertexId| frame.position(vertex).coords;
+    let cloth = mesh.face_ids().filter(|&face| !mesh.is_body_face(face)).map(|face| mesh.face(face).map(place));
+    let areas = cloth.clone().map(|[a, b, c]| (a, (b - a).cross(&(c - a))));
+    let Some((origin, area)) = areas.max_by(|a, b| a.1.norm().total_cmp(&b.1.norm())) else { return true };
+    let Some(normal) = area.try_normalize(0.0) else { return true };
+    let (mut thickness, mut extent) = (0.0_f64, 0.0_f64);
+    for from_origin in cloth.flatten().map(|at| at - origin) {
+        thickness = thickness.max(from_origin.dot(&normal).abs());
+        extent = extent.max(from_origin.norm());
+    }
+    thickness <= PLANE * extent
 }
 
 /// For each face whether its normal points outwards.
