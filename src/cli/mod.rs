@@ -10,6 +10,7 @@
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
 //! | `gap` | `--gap`: the distance that primitives keep |
+//! | `html` | `--html`: a page to look at |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
@@ -21,6 +22,7 @@ mod config;
 pub mod demo;
 pub mod fix;
 pub mod gap;
+mod html;
 pub mod input;
 mod outcome;
 mod owners;

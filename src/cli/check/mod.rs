@@ -1,7 +1,9 @@
 //! `untangled check`: analyses mesh files and says what intersects.
 
+pub(super) mod args;
+mod error;
 mod meetings;
-mod report;
+pub(super) mod report;
 #[cfg(test)]
 mod tests;
 
@@ -12,103 +14,37 @@ use std::{
     time::Instant,
 };
 
-use thiserror::Error;
-
+pub use args::CheckArgs;
+pub use error::CheckError;
 pub use report::Report;
 
 use untangle::{
     analysis::Analysis,
     stage::{Stage, StageObserver},
 };
-use untangled_mesh_io::{FileFormat, write_contours_obj, write_contours_ply};
+use untangled_mesh_io::{FileFormat, MeshFile, write_contours_obj, write_contours_ply};
 
 use super::{
     certificate::Certificate,
-    gap::{Asked, GapArgs, GapError, GapReport},
-    input::{self, Input, InputError, MAX_FACE_PAIRS, analyse_within, is_same_file},
+    fix::{FixError, Interrupt, Target},
+    gap::{Asked, GapReport},
+    html::{MeshData, PageData, StateData, page_target, settings_of_check},
+    input::{self, Input, MAX_FACE_PAIRS, analyse_within, is_same_file},
     outcome::{self, Outcome},
     owners::Owners,
     roles::{BodyCounts, LayerReport, RoleArgs, Roles},
-    sequence::args::CacheArgs,
     weld::WeldArg,
 };
 use meetings::Meeting;
 use report::StageTimes;
 
-/// Finds all intersections of one mesh, or of several in one world.
-///
-/// Exit code: 0 without intersections, 1 with, or where vertices are inside of a body or behind an inner layer, or
-/// primitives nearer than a gap that was asked for; 2 for bad input.
-///
-/// With --cache all frames of a sequence are checked, on all processors. --json then prints a line for each frame as
-/// it is done, and the totals last (schema untangled.sequence/1); the lines are the same for any number of threads.
-#[derive(Clone, Debug, clap::Args)]
-pub struct CheckArgs {
-    /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
-    /// Print one JSON document (schema untangled.check/1) instead of a table
-    #[arg(long)]
-    pub json: bool,
-    /// List the intersecting pairs of triangles
-    #[arg(long)]
-    pub face_pairs: bool,
-    /// Write the intersection paths as lines: .obj (groups by type) or .ply (colours by type)
-    #[arg(long, value_name = "FILE")]
-    pub contours: Option<PathBuf>,
-    /// Replace the file of `--contours` if it exists; never an input
-    #[arg(long)]
-    pub overwrite: bool,
-    /// Say how long each stage took
-    #[arg(short, long)]
-    pub verbose: bool,
-    /// Vertices in one place that are one along seams: those in `exact`ly one place, those within so many METRES, or
-    /// none (`off`)
-    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
-    pub weld: WeldArg,
-    /// `--gap` and `--gap-for`.
-    #[command(flatten)]
-    pub gap: GapArgs,
-    /// What files are beside cloth
-    #[command(flatten)]
-    pub roles: RoleArgs,
-    /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
-    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
-    pub max_face_pairs: u64,
-    /// `--cache`, `--body-cache` and `--frames`.
-    #[command(flatten)]
-    pub sequence: CacheArgs,
-}
-
-/// Why a check could not be done.
-#[derive(Debug, Error)]
-pub enum CheckError {
-    /// The files can't be analysed.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// The gap can't be checked.
-    #[error(transparent)]
-    Gap(#[from] GapError),
-    /// `--contours` names neither OBJ nor PLY.
-    #[error("{}: contours are written as .obj or .ply", .0.display())]
-    ContoursFormat(PathBuf),
-    /// `--contours` names an input.
-    #[error("{}: is an input and would be overwritten by the contours", .0.display())]
-    ContoursOverInput(PathBuf),
-    /// `--contours` names a file that exists.
-    #[error("{}: exists; --overwrite replaces it", .0.display())]
-    ContoursExist(PathBuf),
-    /// `--contours` names a file that may not be written.
-    #[error("{}: is write-protected, and --overwrite does not replace such files", .0.display())]
-    ContoursProtected(PathBuf),
-    /// An output can't be written.
-    #[error("{}: can't be written: {source}", path.display())]
-    Write {
-        /// The file, or `standard output`.
-        path: PathBuf,
-        /// What is wrong.
-        source: io::Error,
-    },
+/// Files as they were read, and what was found in them.
+struct Checked {
+    meshes: Vec<MeshFile>,
+    roles: Roles,
+    input: Input,
+    analysis: Analysis,
+    report: Report,
 }
 
 /// Runs the subcommand: prints the report on standard output.
@@ -118,16 +54,44 @@ pub enum CheckError {
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
     let inputs = [args.files.as_slice(), &args.roles.bodies].concat();
     let contours = args.contours.as_deref().map(|path| contours_format(path, &inputs, args.overwrite)).transpose()?;
-    let (mut report, analysis) =
+    // Before time is spent, and again once it is known which files were read.
+    page_place(args, inputs.iter().map(PathBuf::as_path))?;
+    let mut checked =
         check_within(&args.files, &args.roles, args.weld, args.face_pairs, args.max_face_pairs, args.gap.asked())?;
+    checked.report.verbose = args.verbose;
+    let Checked { analysis, report, meshes, roles, .. } = &checked;
     if let (Some(path), Some(format)) = (&args.contours, contours) {
-        write_contours(path, format, &analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
+        write_contours(path, format, analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
     }
-    report.verbose = args.verbose;
+    let read = meshes.iter().chain(&roles.bodies).flat_map(MeshFile::source_files);
+    if let Some(target) = page_place(args, read)? {
+        write_page(args, &target, &checked).map_err(Box::new)?;
+    }
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
     let is_too_close = report.gap.as_ref().is_some_and(|gap| gap.num_pairs_below > 0);
     Ok(if report.is_clean() && !is_too_close { Outcome::Clean } else { Outcome::Remaining })
+}
+
+/// Where the page goes, if one was asked for.
+fn page_place<'a>(args: &CheckArgs, inputs: impl Iterator<Item = &'a Path>) -> Result<Option<Target>, CheckError> {
+    let inputs: Vec<&Path> = inputs.collect();
+    let target = args.html.as_deref().map(|path| page_target(path, &inputs, args.overwrite));
+    Ok(target.transpose().map_err(Box::new)?)
+}
+
+fn write_page(args: &CheckArgs, target: &Target, checked: &Checked) -> Result<(), FixError> {
+    let Checked { meshes, roles, input, analysis, report } = checked;
+    let mesh = MeshData::new(meshes, roles, input, &[]);
+    let state = StateData::new("check", input, analysis, mesh.centre, false);
+    let mut page = PageData::new("check", outcome::printable(&report.to_string()), report, mesh);
+    page.settings = settings_of_check(args);
+    page.states = vec![state];
+    let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
+    let write = |out: &mut dyn Write| out.write_all(page.to_html().as_bytes()).map_err(|source| target.failed(&source));
+    let staged = target.stage(&interrupt, write)?;
+    interrupt.commit()?;
+    staged.persist()
 }
 
 /// Reads and analyses files as one world, with the usual limit on what may intersect.
@@ -135,7 +99,8 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
 /// # Errors
 /// [`CheckError`], naming the file and the element at fault.
 pub fn check(files: &[PathBuf], weld: WeldArg, list_face_pairs: bool) -> Result<(Report, Analysis), CheckError> {
-    check_within(files, &RoleArgs::default(), weld, list_face_pairs, MAX_FACE_PAIRS, None)
+    let checked = check_within(files, &RoleArgs::default(), weld, list_face_pairs, MAX_FACE_PAIRS, None)?;
+    Ok((checked.report, checked.analysis))
 }
 
 fn check_within(
@@ -145,7 +110,7 @@ fn check_within(
     list_face_pairs: bool,
     max_face_pairs: u64,
     gap: Option<Asked>,
-) -> Result<(Report, Analysis), CheckError> {
+) -> Result<Checked, CheckError> {
     let mut clock = StageClock::default();
     clock.start(StageTimes::READ);
     let meshes = input::read_files(files)?;
@@ -170,7 +135,7 @@ fn check_within(
     report.body_counts = BodyCounts::of(&input, &analysis.intersections);
     report.meetings = Meeting::of(&analysis, &owners);
     report.gap = gap;
-    Ok((report, analysis))
+    Ok(Checked { meshes, roles, input, analysis, report })
 }
 
 /// The format of the contours, if they may be written there.

@@ -139,6 +139,11 @@ impl Serialize for StageTimes {
 }
 
 impl PairReport {
+    /// All pairs of an analysis.
+    pub(in crate::cli) fn of_all(weld: &Weld, analysis: &Analysis) -> Vec<Self> {
+        analysis.paths.pairs.iter().map(|pair| Self::new(weld, analysis, pair)).collect()
+    }
+
     fn new(weld: &Weld, analysis: &Analysis, pair: &PathPair) -> Self {
         Self {
             pair_type: pair.pair_type,
@@ -199,7 +204,7 @@ impl Report {
         time_us: StageTimes,
         list_face_pairs: bool,
     ) -> Self {
-        let Analysis { intersections, paths, .. } = analysis;
+        let Analysis { intersections, .. } = analysis;
         let face_pairs = || intersections.segments.iter().map(|segment| segment.faces.map(|face| face.0)).collect();
         Self {
             schema: "untangled.check/1",
@@ -216,7 +221,7 @@ impl Report {
             num_edge_face_intersections: intersections.edge_face.len(),
             num_face_pairs: intersections.segments.len(),
             path_pairs: count_path_pairs(analysis),
-            paths: paths.pairs.iter().map(|pair| PairReport::new(weld, analysis, pair)).collect(),
+            paths: PairReport::of_all(weld, analysis),
             face_pairs: list_face_pairs.then(face_pairs),
             certificate,
             meetings: Vec::new(),

@@ -46,6 +46,10 @@ pub struct FixArgs {
     /// Write the JSON document to a file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Write a page to look at: one .html file with the mesh before and after, its intersection paths, how far it moved
+    /// and was stretched, and all numbers, which opens from disk and needs no network
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
@@ -73,7 +77,7 @@ pub struct FixArgs {
     /// `--gap` and `--gap-for`.
     #[command(flatten)]
     pub gap: GapArgs,
-    /// Replace OUT (and the report) if it exists; never an input
+    /// Replace OUT (and the report, and the page) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
     /// `--cache`, `--body-cache` and `--frames`.

@@ -14,7 +14,7 @@
 //! | `repair` | relax, write, read back, check |
 //! | `clearance` | the same for a gap, once nothing intersects |
 
-mod args;
+pub(super) mod args;
 mod clearance;
 mod error;
 pub(super) mod pins;
@@ -29,7 +29,10 @@ mod view;
 
 use std::time::Instant;
 
-use untangle::relax::{RelaxSettings, relax_until};
+use untangle::{
+    analysis::Analysis,
+    relax::{RelaxSettings, relax_until},
+};
 use untangled_mesh_io::MeshFile;
 
 pub use args::{FixArgs, QualityArg};
@@ -39,13 +42,14 @@ pub use report::{Blocked, Counts, Distortion, LayerChange, Report};
 use super::{
     certificate::Certificate,
     gap::GapReport,
+    html::{ChangeData, MeshData, PageData, StateData, settings_of_fix},
     input::{self, Input, analyse_within},
     outcome::{self, Outcome},
     owners::Owners,
     roles::Roles,
 };
 pub(super) use clearance::Clearing;
-use plan::{Job, check_movable, plan};
+use plan::{Job, Plan, check_movable, plan};
 pub(super) use repair::{Repair, Repaired, Store, rank};
 use repair::{Solver, Written};
 use target::Staged;
@@ -71,11 +75,13 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     progress.say("reading");
     let files = input::read_files(&args.files)?;
     let roles = Roles::read(&args.roles, &files, args.weld)?;
-    let (jobs, report_target) = plan(args, &files, &roles)?;
+    let Plan { jobs, report: report_target, page: page_target } = plan(args, &files, &roles)?;
     let (input, pins) = world(args, &files, &roles)?;
     interrupt.check()?;
     progress.say("analysing");
-    let before = count(args, &files, &roles, &input)?;
+    let (before, found) = count(args, &files, &roles, &input)?;
+    // What was found is only kept for a page.
+    let found = page_target.is_some().then_some(found);
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
@@ -92,7 +98,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let (repaired, gap) = clearing.run(repaired, interrupt, &mut progress)?;
     let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
     Blocked::name_owners(&mut blocked, &owners);
-    let Written { staged, input: read_back, counts: after, .. } = written;
+    let Written { staged, input: read_back, counts: after, analysis: left } = written;
     let report = Report {
         schema: "untangled.fix/1",
         files: args.files.iter().map(|path| path.display().to_string()).collect(),
@@ -112,14 +118,41 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         blocked,
         history,
     };
-    persist(&report, staged, report_target, interrupt)?;
+    let page = page_target.zip(found).map(|(target, found)| {
+        progress.say("writing the page");
+        let states = [State(&input, &found), State(&read_back, &left)];
+        stage_page(args, (&files, &roles, &pins), states, &report, &target, interrupt)
+    });
+    persist(&report, staged.into_iter().chain(page.transpose()?), report_target, interrupt)?;
     Ok(report)
+}
+
+/// A state, and what was found in it.
+struct State<'a>(&'a Input, &'a Analysis);
+
+/// Writes the page beside its place. `world` are the files, the bodies and the pinned vertices.
+fn stage_page(
+    args: &FixArgs,
+    (files, roles, pins): (&[MeshFile], &Roles, &[u32]),
+    [State(before, found), State(after, left)]: [State<'_>; 2],
+    report: &Report,
+    target: &Target,
+    interrupt: &Interrupt,
+) -> Result<Staged, FixError> {
+    let mesh = MeshData::new(files, roles, before, pins);
+    let centre = mesh.centre;
+    let mut page = PageData::new("fix", outcome::printable(&report.to_string()), report, mesh);
+    page.settings = settings_of_fix(args);
+    page.states =
+        vec![StateData::new("before", before, found, centre, true), StateData::new("after", after, left, centre, true)];
+    page.change = Some(ChangeData::new(before, &after.positions));
+    target.stage(interrupt, |out| out.write_all(page.to_html().as_bytes()).map_err(|source| target.failed(&source)))
 }
 
 /// Puts all files at their places, the report among them.
 fn persist(
     report: &Report,
-    staged: Vec<Staged>,
+    staged: impl Iterator<Item = Staged>,
     report_target: Option<Target>,
     interrupt: &Interrupt,
 ) -> Result<(), FixError> {
@@ -129,13 +162,13 @@ fn persist(
     });
     let report_file = report_file.transpose()?;
     interrupt.commit()?;
-    staged.into_iter().chain(report_file).try_for_each(Staged::persist)
+    staged.chain(report_file).try_for_each(Staged::persist)
 }
 
 /// Counts what intersects in the input.
-fn count(args: &FixArgs, files: &[MeshFile], roles: &Roles, input: &Input) -> Result<Counts, FixError> {
+fn count(args: &FixArgs, files: &[MeshFile], roles: &Roles, input: &Input) -> Result<(Counts, Analysis), FixError> {
     let analysis = analyse_within(&args.files, input, args.max_face_pairs, &mut ())?;
-    Ok(Counts::new(&analysis, roles, input, Certificate::of(files, roles, input)))
+    Ok((Counts::new(&analysis, roles, input, Certificate::of(files, roles, input)), analysis))
 }
 
 /// The files and the bodies as one world, and the pinned vertices of the files.

@@ -8,7 +8,7 @@ use std::{
 
 use untangled_mesh_io::{MeshFile, Output, WriteError};
 
-use crate::cli::{input::Input, roles::Roles};
+use crate::cli::{html::page_target, input::Input, roles::Roles};
 
 use super::{args::FixArgs, error::FixError, target::Target};
 
@@ -21,15 +21,21 @@ pub(in crate::cli) struct Job<'a> {
     pub(super) vertices: Range<usize>,
 }
 
-/// Plans what is written where, and where the report goes.
+/// All that is written.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    pub(super) jobs: Vec<Job<'a>>,
+    /// The place of the report, if one was asked for.
+    pub(super) report: Option<Target>,
+    /// The place of the page, if one was asked for.
+    pub(super) page: Option<Target>,
+}
+
+/// Plans what is written where.
 ///
 /// # Errors
 /// [`FixError`] for files that must not be overwritten, and for formats that can't be written.
-pub(super) fn plan<'a>(
-    args: &FixArgs,
-    files: &'a [MeshFile],
-    roles: &Roles,
-) -> Result<(Vec<Job<'a>>, Option<Target>), FixError> {
+pub(super) fn plan<'a>(args: &FixArgs, files: &'a [MeshFile], roles: &Roles) -> Result<Plan<'a>, FixError> {
     let inputs: Vec<&Path> = files.iter().flat_map(MeshFile::source_files).chain(args.pin.as_deref()).collect();
     let inputs: Vec<&Path> = inputs.into_iter().chain(roles.bodies.iter().flat_map(MeshFile::source_files)).collect();
     let target = |path: PathBuf| Target::new(path, &inputs, args.overwrite);
@@ -60,7 +66,14 @@ pub(super) fn plan<'a>(
         let reason = "is an output, and can't be the report as well".to_owned();
         return Err(FixError::Target { path: report.path.clone(), reason });
     }
-    Ok((jobs, report))
+    let page = args.html.as_deref().map(|path| page_target(path, &inputs, args.overwrite)).transpose()?;
+    if let Some(page) = &page
+        && report.as_ref().is_some_and(|report| report.is_same_place(page))
+    {
+        let reason = "is the report, and can't be the page as well".to_owned();
+        return Err(FixError::Target { path: page.path.clone(), reason });
+    }
+    Ok(Plan { jobs, report, page })
 }
 
 /// Checks, before any work is done, that its result can be written.

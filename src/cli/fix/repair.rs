@@ -52,7 +52,7 @@ pub(in crate::cli) struct Written {
     /// The files read back, as one world.
     pub(in crate::cli) input: Input,
     pub(in crate::cli) counts: Counts,
-    analysis: Analysis,
+    pub(super) analysis: Analysis,
 }
 
 /// The result of a repair.

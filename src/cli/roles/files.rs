@@ -76,6 +76,11 @@ impl Roles {
         self.bodies.is_empty()
     }
 
+    /// Whether the FILEs are layers.
+    pub(in crate::cli) fn has_layers(&self) -> bool {
+        !self.layers.is_empty()
+    }
+
     /// One entry for each body; nothing without any.
     pub(in crate::cli) fn reports(&self) -> Option<Vec<BodyReport>> {
         (!self.has_no_body()).then(|| self.reports.clone())

@@ -1,0 +1,66 @@
+// Headless Chromium with a page open. CHROMIUM names the program where it is not where Debian has it.
+import { existsSync } from "node:fs";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+
+/** The browser, if there is one. */
+export function program() {
+  return process.env.CHROMIUM ?? PLACES.find((place) => existsSync(place)) ?? null;
+}
+
+/**
+ * Opens a page from disk and waits until it is drawn. `complaints` gets what it logs as an error, and every request that
+ * is not for the file itself.
+ */
+export async function open(file, { width, height }) {
+  const browser = await chromium.launch({
+    executablePath: program(),
+    headless: true,
+    // WebGL in software, where there is no graphics card; nothing of the browser's own goes out.
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
+      "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+  });
+  const complaints = [];
+  const tab = await browser.newPage({ viewport: { width, height } });
+  const address = pathToFileURL(resolve(file)).href;
+  tab.on("pageerror", (error) => complaints.push(String(error)));
+  tab.on("console", (message) => {
+    if (message.type() === "error") complaints.push(message.text());
+  });
+  tab.on("request", (request) => {
+    const url = request.url();
+    if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`fetches ${url}`);
+  });
+  const start = performance.now();
+  await tab.goto(address);
+  await tab.waitForSelector("html[data-ready]");
+  await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  return { browser, tab, complaints, openMs: performance.now() - start };
+}
+
+/** How many pixels of a screenshot are near each colour (`#rrggbb`): each channel within `within`. */
+export async function countPixels(tab, png, colours, within = 12) {
+  const url = `data:image/png;base64,${png.toString("base64")}`;
+  return tab.evaluate(async ({ url, colours, within }) => {
+    const image = new Image();
+    image.src = url;
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const g = canvas.getContext("2d");
+    g.drawImage(image, 0, 0);
+    const { data } = g.getImageData(0, 0, image.width, image.height);
+    return colours.map((colour) => {
+      const value = parseInt(colour.slice(1), 16);
+      const [r, green, b] = [value >> 16, (value >> 8) & 255, value & 255];
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        const far = Math.max(Math.abs(data[i] - r), Math.abs(data[i + 1] - green), Math.abs(data[i + 2] - b));
+        if (far <= within) count += 1;
+      }
+      return count;
+    });
+  }, { url, colours, within });
+}

@@ -1,0 +1,167 @@
+// Intersection paths in the picture: lines by type, faint where cloth hides them, and a marker on each path.
+import {
+  BufferAttribute, BufferGeometry, CanvasTexture, Group, type Material, Points, PointsMaterial, Vector3,
+} from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+
+import type { State } from "./data";
+import { DASHES, type Kind, KINDS, drawMarker } from "./kinds";
+
+const WIDTH = 3.2;
+/** Most markers: more would be a carpet. The longest paths have them. */
+const MOST_MARKERS = 1500;
+
+/** Corners of the segments of some paths, two by two. */
+function segments(state: State, isWanted: (path: number) => boolean): Float32Array {
+  const lines = state.lines.filter((line) => isWanted(line.path));
+  const count = lines.reduce((sum, line) => sum + line.count - 1, 0);
+  const result = new Float32Array(6 * count);
+  let at = 0;
+  for (const { first, count } of lines) {
+    for (let i = first; i + 1 < first + count; i++, at += 6) {
+      result.set(state.points.subarray(3 * i, 3 * i + 6), at);
+    }
+  }
+  return result;
+}
+
+/** For each path the place in the middle of its longest line, and how far its points are from there at most. */
+export function placesOf(state: State): { place: Vector3; radius: number }[] {
+  const longest = new Map<number, { first: number; count: number }>();
+  for (const line of state.lines) {
+    if (line.count > (longest.get(line.path)?.count ?? 0)) longest.set(line.path, line);
+  }
+  const point = (i: number) => new Vector3().fromArray(state.points, 3 * i);
+  const places = state.paths.map((_, path) => {
+    const line = longest.get(path) ?? { first: 0, count: 0 };
+    const place = line.count === 2 ? point(line.first).lerp(point(line.first + 1), 0.5)
+      : line.count > 0 ? point(line.first + (line.count >> 1)) : new Vector3();
+    return { place, radius: 0 };
+  });
+  for (const { path, first, count } of state.lines) {
+    const own = places[path]!;
+    for (let i = first; i < first + count; i++) own.radius = Math.max(own.radius, own.place.distanceTo(point(i)));
+  }
+  return places;
+}
+
+function lineMaterial(kind: Kind, isHidden: boolean): LineMaterial {
+  const dash = DASHES[kind.dash];
+  const material = new LineMaterial({ linewidth: WIDTH, transparent: true });
+  material.color.set(kind.colour);
+  if (dash) {
+    material.dashed = true;
+    [material.dashSize, material.gapSize] = dash;
+  }
+  material.depthTest = !isHidden;
+  material.depthWrite = false;
+  material.userData = { opacity: isHidden ? 0.3 : 1 };
+  return material;
+}
+
+function markerTexture(kind: Kind): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 64;
+  drawMarker(canvas.getContext("2d")!, kind.marker, kind.colour, 32, 32, 23);
+  return new CanvasTexture(canvas);
+}
+
+/** The paths of one state. */
+export class Contours {
+  readonly group = new Group();
+  readonly places: { place: Vector3; radius: number }[];
+  private readonly byKind = new Map<string, Group>();
+  private readonly lines: LineMaterial[] = [];
+  private readonly points: PointsMaterial[] = [];
+  private readonly picked = new Group();
+
+  constructor(private readonly state: State) {
+    this.places = placesOf(state);
+    const order = state.paths.map((_, path) => path);
+    order.sort((a, b) => state.paths[b]!.length_m - state.paths[a]!.length_m);
+    const marked = order.slice(0, MOST_MARKERS);
+    for (const kind of KINDS) {
+      const isOwn = (path: number) => state.paths[path]?.pair_type === kind.name;
+      const corners = segments(state, isOwn);
+      if (corners.length === 0) continue;
+      const group = new Group();
+      for (const isHidden of [true, false]) group.add(this.line(corners, lineMaterial(kind, isHidden), isHidden ? 1 : 2));
+      group.add(this.markers(kind, marked.filter(isOwn)));
+      this.byKind.set(kind.name, group);
+      this.group.add(group);
+    }
+    this.group.add(this.picked);
+  }
+
+  private line(corners: Float32Array, material: LineMaterial, order: number): LineSegments2 {
+    const geometry = new LineSegmentsGeometry();
+    geometry.setPositions(corners);
+    const line = new LineSegments2(geometry, material);
+    if (material.dashed) line.computeLineDistances();
+    line.frustumCulled = false;
+    line.renderOrder = order;
+    this.lines.push(material);
+    return line;
+  }
+
+  private markers(kind: Kind, paths: number[]): Points {
+    const geometry = new BufferGeometry();
+    const places = new Float32Array(paths.flatMap((path) => this.places[path]!.place.toArray()));
+    geometry.setAttribute("position", new BufferAttribute(places, 3));
+    const material = new PointsMaterial({
+      size: 17, sizeAttenuation: false, map: markerTexture(kind), transparent: true, depthTest: false,
+      alphaTest: 0.05,
+    });
+    const points = new Points(geometry, material);
+    points.frustumCulled = false;
+    points.renderOrder = 4;
+    this.points.push(material);
+    return points;
+  }
+
+  /** Marks one path, or none: a light rim under it, and its line on top of all cloth. */
+  pick(path: number | null) {
+    for (const child of [...this.picked.children]) {
+      const line = child as LineSegments2;
+      line.geometry.dispose();
+      (line.material as Material).dispose();
+      this.picked.remove(child);
+      this.lines.splice(this.lines.indexOf(line.material), 1);
+    }
+    const kind = KINDS.find((kind) => path !== null && kind.name === this.state.paths[path]?.pair_type);
+    if (!kind) return;
+    const corners = segments(this.state, (other) => other === path);
+    const rim = lineMaterial({ ...kind, colour: "#ffe14d", dash: "solid" }, true);
+    rim.linewidth = 3 * WIDTH;
+    const core = lineMaterial(kind, true);
+    rim.userData = core.userData = { opacity: 1 };
+    core.linewidth = 1.3 * WIDTH;
+    this.picked.add(this.line(corners, rim, 5), this.line(corners, core, 6));
+  }
+
+  /** Shows or hides a type. */
+  setKind(name: string, isShown: boolean) {
+    const group = this.byKind.get(name);
+    if (group) group.visible = isShown;
+  }
+
+  isShown(path: number): boolean {
+    return this.byKind.get(this.state.paths[path]!.pair_type)?.visible ?? false;
+  }
+
+  /** Before each picture: how much of it shows, its size in pixels, and pixels to a metre, for dashes. */
+  prepare(opacity: number, width: number, height: number, pixelsPerMetre: number, ratio: number) {
+    this.group.visible = opacity > 0;
+    for (const material of this.lines) {
+      material.opacity = opacity * (material.userData as { opacity: number }).opacity;
+      material.resolution.set(width, height);
+      material.dashScale = pixelsPerMetre;
+    }
+    for (const material of this.points) {
+      material.opacity = opacity;
+      material.size = 17 * ratio;
+    }
+  }
+}

@@ -1,0 +1,127 @@
+// What the program writes into a page: PageData in src/cli/html/page.rs.
+
+export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
+export type JsonObject = { [key: string]: Json };
+
+export interface PageData {
+  schema: string;
+  version: string;
+  command: "check" | "fix";
+  summary: string;
+  settings: { name: string; value: string }[];
+  report: JsonObject;
+  mesh: {
+    parts: Part[];
+    num_vertices: number;
+    triangles: string;
+    centre: [number, number, number];
+    pinned: number[];
+  };
+  states: StateData[];
+  change?: { moved_m: string; stretch: string };
+}
+
+export interface Part {
+  file: string;
+  role: "cloth" | "layer" | "body";
+  num_vertices: number;
+  num_faces: number;
+}
+
+export interface StateData {
+  name: "check" | "before" | "after";
+  positions: string;
+  paths?: PathData[];
+  points: string;
+  lines: string;
+  wrong_sides: WrongData[];
+}
+
+export interface WrongData {
+  kind: "body" | "layer";
+  vertices: number[];
+  depths_m: number[];
+  clusters: { vertex: number; num_vertices: number; depth_m: number }[];
+}
+
+export type End =
+  | { kind: "boundary" | "junction"; edge: [number, number]; face: number }
+  | { kind: "loop"; vertex: number };
+
+export interface PathData {
+  pair_type: string;
+  closed: boolean;
+  num_segments: number;
+  length_m: number;
+  loop_vertices: number[];
+  ends: End[];
+  copies: { type: string; num_segments: number; inside_vertices: number[] | null; partitioning: boolean }[];
+}
+
+export interface BlockedData {
+  pair_type?: string;
+  num_vertices_inside_body?: number;
+  vertex: number;
+  file: string;
+  vertex_in_file: number;
+  part: string | null;
+  length_m: number;
+  reason: string;
+}
+
+/** A run of points of a path: the path, and its first point and number of points. */
+export interface Line {
+  path: number;
+  first: number;
+  count: number;
+}
+
+/** A state with its arrays. */
+export interface State {
+  name: StateData["name"];
+  positions: Float32Array;
+  paths: PathData[];
+  points: Float32Array;
+  lines: Line[];
+  wrongSides: WrongData[];
+}
+
+/** The document of this page, as its text and read. */
+export function readPage(): PageData {
+  return JSON.parse(document.getElementById("data")?.textContent ?? "{}") as PageData;
+}
+
+function bytes(text: string): Uint8Array {
+  const binary = atob(text);
+  const result = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; i++) result[i] = binary.charCodeAt(i);
+  return result;
+}
+
+export function singles(text: string): Float32Array {
+  return new Float32Array(bytes(text).buffer);
+}
+
+export function whole(text: string): Uint32Array {
+  return new Uint32Array(bytes(text).buffer);
+}
+
+export function readState(page: PageData, data: StateData): State {
+  const rows = whole(data.lines);
+  const lines: Line[] = [];
+  for (let i = 0; i + 2 < rows.length; i += 3) {
+    lines.push({ path: rows[i]!, first: rows[i + 1]!, count: rows[i + 2]! });
+  }
+  return {
+    name: data.name,
+    positions: singles(data.positions),
+    paths: data.paths ?? (page.report["paths"] as unknown as PathData[]) ?? [],
+    points: singles(data.points),
+    lines,
+    wrongSides: data.wrong_sides,
+  };
+}
+
+export function blockedOf(page: PageData): BlockedData[] {
+  return (page.report["blocked"] as unknown as BlockedData[]) ?? [];
+}

@@ -1,0 +1,130 @@
+// A page that untangled check --html or untangled fix --html wrote: puts its parts together.
+import { type PageData, type State, blockedOf, readPage, readState, singles } from "./data";
+import { counted, el, metres } from "./dom";
+import { beforeAfterSlider, kindLegend, mapChoice, pageButtons, viewControls } from "./controls";
+import { Lists } from "./list";
+import { type ColourMap, movedMap, stretchMap } from "./maps";
+import { tables } from "./tables";
+import { View } from "./view";
+
+function verdict(page: PageData, states: State[]): HTMLElement {
+  const last = states[states.length - 1]!;
+  const left = [
+    last.paths.length > 0 ? counted(last.paths.length, "intersection path") : null,
+    ...last.wrongSides.map((wrong) =>
+      `${counted(wrong.vertices.length, "vertex", "vertices")} ${wrong.kind === "body" ? "inside of a body" : "behind an inner layer"}`),
+  ].filter((words) => words !== null);
+  const isClean = page.command === "fix" ? page.report["clean"] === true : left.length === 0;
+  const words = isClean ? "Clean: nothing intersects"
+    : left.length > 0 ? `Not clean: ${left.join(", ")}` : "Not clean: see the summary";
+  return el("p", { class: isClean ? "verdict clean" : "verdict tangled", role: "status" }, `${isClean ? "✓" : "✗"} ${words}`);
+}
+
+/** Whose vertex it is, and what became of it. */
+function vertexWords(page: PageData, maps: ColourMap[], vertex: number): string {
+  let first = 0;
+  for (const part of page.mesh.parts) {
+    if (vertex < first + part.num_vertices) {
+      return [`Vertex ${vertex - first} of ${part.file}`, ...maps.map((map) => map.words(vertex))].join(", ");
+    }
+    first += part.num_vertices;
+  }
+  return `Vertex ${vertex}`;
+}
+
+function picture(page: PageData, states: State[]): HTMLElement {
+  const status = el("p", { class: "status", role: "status", "aria-live": "polite" },
+    "Click a path or a vertex, or choose a path in the list.");
+  const maps = page.change ? [movedMap(singles(page.change.moved_m)), stretchMap(singles(page.change.stretch))] : [];
+  let picked: { state: number; path: number | null } = { state: 0, path: null };
+  let lists: Lists | null = null;
+  let shown = 0;
+  const pick = (state: number, path: number | null, isSought: boolean) => {
+    picked = { state, path };
+    view.pickPath(state, path, isSought);
+    lists?.mark(state, path);
+    const data = path === null ? undefined : states[state]!.paths[path];
+    status.textContent = data ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}` : "";
+  };
+  const view = new View(page, states, ({ path, vertex }) => {
+    pick(shown, path, false);
+    if (vertex !== null) status.textContent = vertexWords(page, maps, vertex);
+  });
+  const slider = states.length > 1 ? beforeAfterSlider((mixing) => {
+    shown = mixing > 0.5 ? 1 : 0;
+    view.setMixing(mixing);
+  }) : null;
+  const show = (state: number) => {
+    if (state !== shown || states.length > 1) slider?.set(state);
+  };
+  lists = new Lists(states, blockedOf(page), {
+    path: (state, path) => {
+      show(state);
+      pick(state, path, true);
+    },
+    vertex: (state, vertex) => {
+      show(state);
+      pick(state, null, false);
+      view.lookAtVertex(state, vertex);
+      status.textContent = vertexWords(page, maps, vertex);
+    },
+  });
+  const step = (by: number) => {
+    const path = lists!.beside(shown, picked.state === shown ? picked.path : null, by);
+    if (path !== null) pick(shown, path, true);
+  };
+  const { canvas } = view;
+  canvas.tabIndex = 0;
+  canvas.setAttribute("role", "application");
+  canvas.setAttribute("aria-label", "The mesh and its intersection paths");
+  canvas.setAttribute("aria-describedby", "keys");
+  canvas.addEventListener("keydown", (event) => {
+    if (event.key === "n") step(1);
+    else if (event.key === "p") step(-1);
+    else if (event.key === "Escape") pick(shown, null, false);
+  });
+  const still = el("img", { class: "still", alt: "The mesh as it was shown last" });
+  const keep = () => {
+    view.render();
+    still.src = canvas.toDataURL("image/png");
+  };
+  window.addEventListener("beforeprint", keep);
+  requestAnimationFrame(() => setTimeout(keep, 0));
+  const keys = el("p", { id: "keys", class: "noprint hint" },
+    "With the picture focused: arrow keys turn it, with Shift they move it, + and − bring it nearer and farther, Home shows all of it, " +
+    "N and P go to the next and the previous path. A pointer turns it, with Shift or the right button moves it; the wheel zooms " +
+    "once the picture has the focus.");
+  const hasPaths = states.some((state) => state.paths.length > 0);
+  return el("div", { class: "main" },
+    el("div", { class: "picture" }, el("div", { class: "frame" }, canvas), still, status,
+      el("div", { class: "noprint controls" }, slider?.element, viewControls(view, step, hasPaths)),
+      mapChoice(maps, view), kindLegend(states, view), keys),
+    lists.element);
+}
+
+function withoutPicture(error: unknown): HTMLElement {
+  const words = error instanceof Error ? error.message : String(error);
+  return el("p", { class: "verdict tangled" }, `This browser shows no picture (${words}); all numbers are below.`);
+}
+
+function main() {
+  const page = readPage();
+  const states = page.states.map((data) => readState(page, data));
+  const root = document.getElementById("page")!;
+  const files = page.mesh.parts.map((part) => part.file).join(", ");
+  root.append(el("header", {},
+    el("h1", {}, `untangled ${page.command}`), el("p", { class: "files" }, files), pageButtons(page)), verdict(page, states));
+  const main = el("main");
+  root.append(main);
+  try {
+    main.append(picture(page, states));
+  } catch (error) {
+    main.append(withoutPicture(error), new Lists(states, blockedOf(page), { path: () => {}, vertex: () => {} }).element);
+  }
+  main.append(el("h2", {}, "Summary"), el("pre", { class: "scroll", tabindex: 0 }, page.summary),
+    el("h2", {}, "Numbers"), el("div", { class: "tables" }, ...tables(page)));
+  root.append(el("footer", {}, `Made by untangled ${page.version}. This file fetches nothing and sends nothing.`));
+  document.documentElement.dataset["ready"] = "yes";
+}
+
+main();
