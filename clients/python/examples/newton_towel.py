@@ -11,7 +11,7 @@ import warp as wp
 import controls
 import newton
 from towel import DENSITY, GRAVITY, towel
-from untangled.hosts.newton import Untangler
+from untangled_cloth.hosts.newton import Untangler
 
 DT = 1 / 120
 ITERATIONS = 8

@@ -57,4 +57,4 @@ class Repair:
 
     def __repr__(self) -> str:
         state = "certified" if self.certified else f"{self.num_intersections} intersections left"
-        return f"<untangled.Repair of frame {self.frame}: {state}>"
+        return f"<untangled_cloth.Repair of frame {self.frame}: {state}>"
