@@ -180,7 +180,9 @@ def fix(
     single_precision: bool = False,
     progress: Optional[Callable[[Progress], Optional[bool]]] = None,
 ) -> Fix:
-    """Moves vertices as little as possible until nothing intersects. For the arguments see :class:`untangled_cloth.Session`.
+    """Moves vertices as little as possible until nothing intersects.
+
+    For the arguments see :class:`untangled_cloth.Session`.
 
     Cloth is brought out of bodies, and layers into their order. With a `gap` in metres, primitives without a common
     vertex are then set apart by at least that; what can't be is in `infeasible`.

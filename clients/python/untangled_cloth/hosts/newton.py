@@ -14,9 +14,9 @@ Three things help, each where the one before does not:
 
 - Forces in newtons, in `state.particle_f`, for one step.
 - Contacts between the two sides of a tangle are struck out of the solver's own list after each of its collision
-  detections (:class:`untangled_cloth.ContactFilter`); all others stay, so that less falls through that leans on it. That
-  list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it lets no
-  vertex move through an element that it has found near.
+  detections (:class:`untangled_cloth.ContactFilter`); all others stay, so that less falls through that leans on it.
+  That list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it
+  lets no vertex move through an element that it has found near.
 - Repairs between two steps: positions move to where nothing intersects, certified, and velocities keep all but what
   leads back. Where layers are pressed together the solver's own steps may tangle them again, and the next frame is
   repaired again: clients/python/README.md has tables.
