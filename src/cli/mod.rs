@@ -12,6 +12,7 @@
 //! | `gap` | `--gap`: the distance that primitives keep |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache`: frame after frame |
+//! | `join` | parts of a cache, repaired by several machines, as one file |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -22,6 +23,7 @@ pub mod demo;
 pub mod fix;
 pub mod gap;
 pub mod input;
+mod join;
 mod outcome;
 mod owners;
 mod packaging;
@@ -62,6 +64,7 @@ enum Command {
     Config(config::ConfigArgs),
     Check(check::CheckArgs),
     Fix(fix::FixArgs),
+    Join(join::JoinArgs),
     Demo(demo::DemoArgs),
     Completions(packaging::CompletionsArgs),
     Man(packaging::ManArgs),
@@ -101,6 +104,7 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Check(args) => check::run(&args).map_err(Into::into),
         Command::Fix(args) if args.sequence.cache.is_some() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
+        Command::Join(args) => join::run(&args),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
         Command::Completions(args) => packaging::completions(&args, Cli::command()),
         Command::Man(args) => packaging::man(&args, Cli::command()),

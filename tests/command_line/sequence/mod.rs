@@ -1,8 +1,9 @@
-//! `check` and `fix` with `--cache`.
+//! `check` and `fix` with `--cache`, and `join`.
 
 mod check;
 mod coherence;
 mod fix;
+mod join;
 mod refusals;
 mod resume;
 
