@@ -13,6 +13,7 @@
 //! | `html` | `--html`: a page to look at |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
+//! | `join` | parts of a cache, repaired by several machines, as one file |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -24,6 +25,7 @@ pub mod fix;
 pub mod gap;
 mod html;
 pub mod input;
+mod join;
 mod outcome;
 mod owners;
 mod packaging;
@@ -64,6 +66,7 @@ enum Command {
     Config(config::ConfigArgs),
     Check(check::CheckArgs),
     Fix(fix::FixArgs),
+    Join(join::JoinArgs),
     Demo(demo::DemoArgs),
     Completions(packaging::CompletionsArgs),
     Man(packaging::ManArgs),
@@ -103,6 +106,7 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Check(args) => check::run(&args).map_err(Into::into),
         Command::Fix(args) if args.sequence.is_asked() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
+        Command::Join(args) => join::run(&args),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
         Command::Completions(args) => packaging::completions(&args, Cli::command()),
         Command::Man(args) => packaging::man(&args, Cli::command()),

@@ -14,7 +14,8 @@ import sys
 import numpy as np
 
 import picture
-import untangled
+import untangled_cloth as untangled
+from untangled_cloth._program import PACKAGED
 
 CONTROLS = {
     "no help": {"use_force": False, "use_mask": False, "repair": "never"},
@@ -32,8 +33,9 @@ class Daemon:
         self.domain, self.process = domain, None
         if domain is None:
             root = pathlib.Path(__file__).resolve().parents[3]
-            places = [os.environ.get("DAEMON_PROGRAM"), shutil.which("untangled")]
-            places += [str(root / "target" / profile / "untangled") for profile in ("release", "debug")]
+            places = [os.environ.get("DAEMON_PROGRAM"), PACKAGED]
+            places += [root / "target" / profile / "untangled" for profile in ("release", "debug")]
+            places += [shutil.which("untangled")]
             program = next((place for place in places if place and os.access(place, os.X_OK)), None)
             if program is None:
                 sys.exit("there is no daemon: build it with `cargo build --release`, or set DAEMON_PROGRAM")

@@ -7,7 +7,7 @@ import numpy as np
 
 import controls
 from towel import DENSITY, GRAVITY, LENGTH, WIDTH, towel
-from untangled.hosts.mujoco import Untangler
+from untangled_cloth.hosts.mujoco import Untangler
 
 TIMESTEP = 1 / 480
 EVERY = 4

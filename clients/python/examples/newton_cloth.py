@@ -5,7 +5,7 @@ import warp as wp
 
 import newton
 from towel import DENSITY, GRAVITY
-from untangled.hosts.newton import Untangler
+from untangled_cloth.hosts.newton import Untangler
 
 DT = 1 / 120
 ITERATIONS = 8

@@ -6,7 +6,7 @@ with a frame rate would.
 
 import numpy as np
 
-import untangled
+import untangled_cloth as untangled
 
 
 def scene():

@@ -6,7 +6,7 @@ use pyo3::{exceptions::PyValueError, prelude::*, types::PyBytes};
 use untangled_client::ContactFilter;
 
 /// A filter for the contacts of one cloth.
-#[pyclass(frozen, module = "untangled._native")]
+#[pyclass(frozen, module = "untangled_cloth._native")]
 pub(crate) struct NativeContactFilter(Mutex<ContactFilter>);
 
 impl NativeContactFilter {

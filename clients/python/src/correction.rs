@@ -13,7 +13,7 @@ use untangled_proto::correction::{REPAIRING, TRUNCATED, stage};
 use crate::memory::Memory;
 
 /// The correction of one frame. The lock guards the handle; the memory that it refers to never moves.
-#[pyclass(frozen, module = "untangled._native")]
+#[pyclass(frozen, module = "untangled_cloth._native")]
 pub(crate) struct NativeCorrection(Arc<Mutex<Correction>>);
 
 impl NativeCorrection {

@@ -5,23 +5,23 @@ use untangled_client::{
     ConnectError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError, WaitError,
 };
 
-create_exception!(untangled, Error, PyException, "What all errors of this package are.");
-create_exception!(untangled, NoDaemon, Error, "No daemon serves the domain.");
+create_exception!(untangled_cloth, Error, PyException, "What all errors of this package are.");
+create_exception!(untangled_cloth, NoDaemon, Error, "No daemon serves the domain.");
 create_exception!(
-    untangled,
+    untangled_cloth,
     Refused,
     Error,
     "The daemon refused; the message names the element and the value at fault."
 );
 create_exception!(
-    untangled,
+    untangled_cloth,
     FrameRefused,
     Error,
     "The frame can't be used; the message names the vertex, or the field, and the value at fault. `frame` is its \
      number. The session lives on."
 );
 create_exception!(
-    untangled,
+    untangled_cloth,
     Missed,
     Error,
     "No correction for this frame: it did not come in time, the daemon ended the frame at a limit of time or of \

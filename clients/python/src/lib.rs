@@ -1,5 +1,4 @@
-//! The native half of the Python package `untangled`: what `untangled/session.py` and `untangled/library.py` are made
-//! of.
+//! The native half of the Python package `untangled_cloth`: what its `session.py` and `library.py` are made of.
 //!
 //! Arrays cross the border in two ways. Positions of a frame, corrections and paths are shared memory, which numpy
 //! views through `__array_interface__`: an address, a shape, and an object that keeps the memory mapped for as long as
@@ -19,7 +18,7 @@ mod session;
 
 use pyo3::prelude::*;
 
-/// The module `untangled._native`.
+/// The module `untangled_cloth._native`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<session::NativeSession>()?;

@@ -6,7 +6,7 @@ use pyo3::{prelude::*, types::PyDict};
 
 /// An array in memory of another owner, which this keeps mapped: `numpy.asarray` makes a view of it without a copy, and
 /// keeps a reference to this object for as long as the view lives.
-#[pyclass(frozen, module = "untangled._native")]
+#[pyclass(frozen, module = "untangled_cloth._native")]
 pub(crate) struct Memory {
     address: usize,
     shape: Vec<usize>,

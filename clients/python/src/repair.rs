@@ -11,7 +11,7 @@ use untangled_client::Repair;
 use crate::memory::Memory;
 
 /// The repair of one frame. The lock guards the handle; the memory that it refers to never moves.
-#[pyclass(frozen, module = "untangled._native")]
+#[pyclass(frozen, module = "untangled_cloth._native")]
 pub(crate) struct NativeRepair(Arc<Mutex<Repair>>);
 
 impl NativeRepair {

@@ -24,7 +24,7 @@ use crate::{
 const SLICE: Duration = Duration::from_millis(100);
 
 /// A session, until it is closed.
-#[pyclass(frozen, module = "untangled._native")]
+#[pyclass(frozen, module = "untangled_cloth._native")]
 pub(crate) struct NativeSession(Mutex<Option<Open>>);
 
 /// Fields are dropped in order.

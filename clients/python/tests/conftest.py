@@ -1,7 +1,7 @@
 """A real daemon for each test module, and meshes to send it.
 
-`DAEMON_PROGRAM` names the daemon's program; without it `untangled` is searched for on the path and in the repository's
-target folders.
+`DAEMON_PROGRAM` names the daemon's program; without it, it is the one in the package, else in the repository's target
+folders, else `untangled` on the path.
 """
 
 import itertools
@@ -13,15 +13,18 @@ import subprocess
 import numpy as np
 import pytest
 
+from untangled_cloth._program import PACKAGED
+
 DEADLINE = 60.0
 _numbers = itertools.count()
 
 
 def binary():
     root = pathlib.Path(__file__).resolve().parents[3]
-    places = [os.environ.get("DAEMON_PROGRAM"), shutil.which("untangled")]
-    places += [str(root / "target" / profile / "untangled") for profile in ("release", "debug")]
-    return next((place for place in places if place and os.access(place, os.X_OK)), None)
+    places = [os.environ.get("DAEMON_PROGRAM"), PACKAGED]
+    places += [root / "target" / profile / "untangled" for profile in ("release", "debug")]
+    places += [shutil.which("untangled")]
+    return next((str(place) for place in places if place and os.access(place, os.X_OK)), None)
 
 
 class Daemon:

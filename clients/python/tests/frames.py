@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-import untangled
+import untangled_cloth as untangled
 
 
 def main(domain, scene, out, repeats="1"):

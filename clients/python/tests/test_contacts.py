@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import untangled
+import untangled_cloth as untangled
 from conftest import DEADLINE
 
 ANY = 0xFFFFFFFF

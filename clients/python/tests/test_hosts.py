@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import untangled
+import untangled_cloth as untangled
 from conftest import DEADLINE, binary
-from untangled.hosts import _repairs
+from untangled_cloth.hosts import _repairs
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[1] / "examples"
 
@@ -21,7 +21,7 @@ EXAMPLES = pathlib.Path(__file__).resolve().parents[1] / "examples"
 def run(example, package, control, tmp_path, *more):
     """The columns of the one line of a control: start, after the steps with help, most in the steps after."""
     if importlib.util.find_spec(package) is None:
-        pytest.skip(f"{package} is not installed: pip install './clients/python[{package}]'")
+        pytest.skip(f"{package} is not installed: pip install 'untangled-cloth[{package}]'")
     if binary() is None:
         pytest.skip("there is no daemon: build it, or set DAEMON_PROGRAM")
     command = [sys.executable, str(EXAMPLES / example), "--only", control, "--out", str(tmp_path), *more]
@@ -50,7 +50,7 @@ def test_newton_example_with_repairs_ends_clean(tmp_path):
 
 @pytest.mark.parametrize(("rings", "warned"), [(2, 1), (1, 0)])
 def test_newton_solver_that_leaves_out_near_contacts_is_warned_of(rings, warned):
-    adapter = pytest.importorskip("untangled.hosts.newton", exc_type=ImportError)
+    adapter = pytest.importorskip("untangled_cloth.hosts.newton", exc_type=ImportError)
     solver = SimpleNamespace(particle_topological_contact_filter_threshold=rings)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

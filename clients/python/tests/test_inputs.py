@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import untangled
+import untangled_cloth as untangled
 from conftest import DEADLINE
-from untangled import _arrays
+from untangled_cloth import _arrays
 
 
 class OnGpu:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import untangled
+import untangled_cloth as untangled
 
 
 def test_analyse_of_crossed_triangles_finds_intersections_and_paths(crossed):

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-import untangled
+import untangled_cloth as untangled
 from conftest import DEADLINE
 
 

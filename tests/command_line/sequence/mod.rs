@@ -1,8 +1,9 @@
-//! `check` and `fix` with `--cache` and `--prim`.
+//! `check` and `fix` with `--cache` and `--prim`, and `join`.
 
 mod check;
 mod coherence;
 mod fix;
+mod join;
 mod refusals;
 mod resume;
 mod usd;

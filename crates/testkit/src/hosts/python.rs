@@ -65,9 +65,9 @@ fn environment() -> Result<PathBuf, String> {
 /// A folder that holds the package.
 fn package() -> PathBuf {
     let folder = scratch("python-package");
-    let package = folder.join("untangled");
+    let package = folder.join("untangled_cloth");
     let _ = fs::remove_dir_all(&package);
-    copy(&repository().join("clients/python/untangled"), &package);
+    copy(&repository().join("clients/python/untangled_cloth"), &package);
     fs::copy(libraries().join("libuntangled_python.so"), package.join("_native.abi3.so")).unwrap();
     folder
 }

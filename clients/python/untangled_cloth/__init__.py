@@ -1,8 +1,8 @@
 """Resolves intersections of cloth: global intersection analysis (GIA) and response.
 
-With a daemon (``untangled serve``), for simulators::
+With a daemon, for simulators (``untangled-cloth serve`` starts it, :class:`Daemon` one for this process alone)::
 
-    import numpy as np, untangled
+    import numpy as np, untangled_cloth as untangled
 
     with untangled.Session(triangles, masses=masses) as session:
         correction = session.exchange(positions, dt=1 / 60)
@@ -15,8 +15,10 @@ Lengths are in metres, times in seconds, masses in kilograms, forces in newtons.
 """
 
 from ._native import Error, FrameRefused, Missed, NoDaemon, Refused, __version__
+from ._program import program
 from .contacts import ContactFilter
 from .correction import Correction, Entries, Path, Paths
+from .daemon import Daemon
 from .library import Analysis, Fix, FoundPath, Progress, analyse, count_intersections, fix
 from .repair import Repair
 from .session import Session, status
@@ -41,6 +43,7 @@ __all__ = [
     "Analysis",
     "ContactFilter",
     "Correction",
+    "Daemon",
     "Entries",
     "Error",
     "Fix",
@@ -58,5 +61,6 @@ __all__ = [
     "analyse",
     "count_intersections",
     "fix",
+    "program",
     "status",
 ]

@@ -120,7 +120,7 @@ def analyse(
     body: Optional[ArrayLike] = None,
     settings: Optional[Mapping[str, Any]] = None,
 ) -> Analysis:
-    """What intersects in one state, by exact signs. For the arguments see :class:`untangled.Session`.
+    """What intersects in one state, by exact signs. For the arguments see :class:`untangled_cloth.Session`.
 
     Raises:
         ValueError: the mesh, a position or a setting can't be used; the message names the element at fault.
@@ -180,7 +180,9 @@ def fix(
     single_precision: bool = False,
     progress: Optional[Callable[[Progress], Optional[bool]]] = None,
 ) -> Fix:
-    """Moves vertices as little as possible until nothing intersects. For the arguments see :class:`untangled.Session`.
+    """Moves vertices as little as possible until nothing intersects.
+
+    For the arguments see :class:`untangled_cloth.Session`.
 
     Cloth is brought out of bodies, and layers into their order. With a `gap` in metres, primitives without a common
     vertex are then set apart by at least that; what can't be is in `infeasible`.

@@ -62,4 +62,4 @@ class Repair:
         num_wrong = self._header["num_inside_body"] + self._header["num_behind"]
         left = f"{self.num_intersections} intersections left, {num_wrong} vertices on the wrong side"
         state = "certified" if self.certified else left
-        return f"<untangled.Repair of frame {self.frame}: {state}>"
+        return f"<untangled_cloth.Repair of frame {self.frame}: {state}>"

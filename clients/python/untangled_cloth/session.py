@@ -21,7 +21,7 @@ class Session:
 
     It connects to the daemon of `domain` (else the environment variable `UNTANGLED_DOMAIN`, else `default`), waiting
     up to `timeout` seconds for it to start, and registers the cloth. When the daemon died or was restarted, that frame
-    raises :class:`untangled.Missed`, and a later one registers the session again.
+    raises :class:`untangled_cloth.Missed`, and a later one registers the session again.
 
     Any thread may use it, one at a time; it waits without the interpreter's lock.
 
@@ -44,7 +44,7 @@ class Session:
         repairs: whether frames may be repaired, see :meth:`repair`. Takes shared memory for four frames more.
         sparse: whether corrections list only the vertices that have a value or a flag (`correction.entries`): an
             untangled frame then costs nothing for each vertex. They read the same either way.
-        labels: whether corrections have labels, by which :class:`untangled.ContactFilter` says of single contacts
+        labels: whether corrections have labels, by which :class:`untangled_cloth.ContactFilter` says of single contacts
             whether they have to be off; makes them sparse as well.
         weld: whether vertices with exactly one place in `rest_positions` are one along seams, for meshes that were
             split for texture coordinates or normals; see :attr:`num_welded_vertices`. They have to be in one place in

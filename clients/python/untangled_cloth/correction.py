@@ -29,16 +29,16 @@ class Path:
         self.pair = pair
         """Which pair it belongs to."""
         self.pair_type = PAIR_TYPES[pair_type] if pair_type < len(PAIR_TYPES) else "?"
-        """Type of that pair, as in `untangled.correction.PAIR_TYPES`."""
+        """Type of that pair, as in `untangled_cloth.correction.PAIR_TYPES`."""
         self.type = PATH_TYPES[path_type] if path_type < len(PATH_TYPES) else "?"
-        """Type of this path, as in `untangled.correction.PATH_TYPES`."""
+        """Type of this path, as in `untangled_cloth.correction.PATH_TYPES`."""
         self.partner = partner
         """Index of the corresponding path; its own where it is its own."""
         self.closed = closed != 0
         """Whether it is a loop on the cloth."""
 
     def __repr__(self) -> str:
-        return f"<untangled.Path {self.type} of {self.pair_type}, {len(self.points)} points>"
+        return f"<untangled_cloth.Path {self.type} of {self.pair_type}, {len(self.points)} points>"
 
 
 class Paths(Sequence[Path]):
@@ -81,7 +81,7 @@ class Entries(NamedTuple):
     values: NDArray[np.float32]
     """Their corrections in the unit of `kind`, `num_entries x 3` of float32."""
     flags: NDArray[np.uint32]
-    """Their flags, `num_entries` of uint32: `untangled.INSIDE` and so on."""
+    """Their flags, `num_entries` of uint32: `untangled_cloth.INSIDE` and so on."""
 
 
 class Correction:
@@ -120,7 +120,7 @@ class Correction:
 
     @property
     def flags(self) -> NDArray[np.uint32]:
-        """Flags of each vertex, `num_vertices` of uint32: `untangled.INSIDE` and so on. A read-only view."""
+        """Flags of each vertex, `num_vertices` of uint32: `untangled_cloth.INSIDE` and so on. A read-only view."""
         return self._view("flags", lambda native: np.asarray(native.flags()))
 
     @property
@@ -144,7 +144,7 @@ class Correction:
 
     @property
     def labels(self) -> NDArray[np.uint32]:
-        """Labels of vertices, `num_labels x 2` of uint32 (vertex, label), for :class:`untangled.ContactFilter`.
+        """Labels of vertices, `num_labels x 2` of uint32 (vertex, label), for :class:`untangled_cloth.ContactFilter`.
 
         Empty without `Session(..., labels=True)`, or from a daemon that is too old. A read-only view.
         """
@@ -213,4 +213,4 @@ class Correction:
 
     def __repr__(self) -> str:
         counts = f"{self.num_intersections} intersections, {self.num_inside} inside"
-        return f"<untangled.Correction of frame {self.frame}: {counts}>"
+        return f"<untangled_cloth.Correction of frame {self.frame}: {counts}>"

@@ -2,7 +2,7 @@
 
 ::
 
-    with untangled.hosts.mujoco.Untangler(model, data, flex="towel", every=8) as untangler:
+    with untangled_cloth.hosts.mujoco.Untangler(model, data, flex="towel", every=8) as untangler:
         while running:
             untangler.before_step()
             mujoco.mj_step(model, data)
@@ -38,7 +38,7 @@ class Untangler:
         flex: id or name; of dimension 2, with a body for each vertex.
         every: steps between two exchanges. A correction is a displacement by a good part of an edge length in `every`
             steps: in a single one of MuJoCo's short steps it would be an impact.
-        uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
+        uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled_cloth.Session`.
         deadline: seconds to wait for a correction before the steps go on without.
         repair: which frames are repaired: "always" those with intersections, "auto" those of a tangle that does not
             shrink, "never".

@@ -5,7 +5,7 @@
     solver = newton.solvers.SolverVBD(
         model, particle_enable_self_contact=True, particle_topological_contact_filter_threshold=1, ...
     )
-    with untangled.hosts.newton.Untangler(model, solver, dt=dt) as untangler:
+    with untangled_cloth.hosts.newton.Untangler(model, solver, dt=dt) as untangler:
         for _ in range(num_steps):
             state_0.clear_forces()
             untangler.before_step(state_0)
@@ -16,9 +16,9 @@ Three things help, each where the one before does not:
 
 - Forces in newtons, in `state.particle_f`, for one step.
 - Contacts between the two sides of a tangle are struck out of the solver's own list after each of its collision
-  detections (:class:`untangled.ContactFilter`); all others stay, so that less falls through that leans on it. That
-  list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it lets no
-  vertex move through an element that it has found near.
+  detections (:class:`untangled_cloth.ContactFilter`); all others stay, so that less falls through that leans on it.
+  That list is private to Newton, hence the version. Without this VBD keeps a tangle for ever, against any force: it
+  lets no vertex move through an element that it has found near.
 - Repairs between two steps: positions move to where nothing intersects, certified, and velocities keep all but what
   leads back. Where layers are pressed together the solver's own steps may tangle them again, and the next frame is
   repaired again: clients/python/README.md has tables.
@@ -46,7 +46,7 @@ from ..correction import Correction
 from . import _repairs
 
 if not newton.__version__.startswith("1.8."):
-    raise ImportError(f"untangled.hosts.newton knows Newton 1.8, not {newton.__version__}")
+    raise ImportError(f"untangled_cloth.hosts.newton knows Newton 1.8, not {newton.__version__}")
 
 _HOOK = "_collision_detection_penetration_free"
 
@@ -59,7 +59,7 @@ class Untangler:
         solver: a SolverVBD with `particle_enable_self_contact=True` and
             `particle_topological_contact_filter_threshold=1`; warns where that is more.
         dt: length of a step in seconds.
-        uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled.Session`.
+        uv, uv_triangles, rest_positions, settings, domain, timeout: as for :class:`untangled_cloth.Session`.
         deadline: seconds to wait for a correction before the step goes on without.
         repair: which frames are repaired: "always" those with intersections, "auto" those of a tangle that does not
             shrink, "never".

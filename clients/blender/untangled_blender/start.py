@@ -1,0 +1,70 @@
+"""Before a simulation: a start state that is clean, with a gap, as a shape key."""
+
+import bpy
+
+from .fix import fixed
+from .jobs import Job
+from .sheets import is_body, num_deforming, selected
+from .world import Unusable
+
+
+class StartOperator(Job, bpy.types.Operator):
+    """Make the state that the selected cloth simulations start from clean, with a gap, as a shape key"""
+
+    bl_idname = "untangled.start"
+    bl_label = "Clean Start State"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def work(self, context):
+        objects = selected(context)
+        simulations = {obj: simulation(obj) for obj in objects if not is_body(obj)}
+        frames = {modifier.point_cache.frame_start for modifier in simulations.values()}
+        if len(frames) > 1:
+            raise Unusable("the selected simulations start in different frames: repair one after the other")
+        for frame in frames:
+            context.scene.frame_set(frame)
+        ends = {obj: min(num_deforming(obj), index(obj, modifier)) for obj, modifier in simulations.items()}
+        gap = context.scene.untangled.gap or max((own_gap(modifier) for modifier in simulations.values()), default=0.0)
+        words = yield from fixed(context, objects, ends, gap)
+        for obj, modifier in simulations.items():
+            keep_rest_shape(obj, modifier)
+        self.report({"INFO" if words.startswith("clean") else "WARNING"}, f"gap of {gap:.4g}: {words}")
+
+
+def simulation(obj):
+    """The cloth simulation of an object that is no body."""
+    for modifier in obj.modifiers:
+        if modifier.type == "CLOTH":
+            if modifier.point_cache.is_baked:
+                raise Unusable(f"{obj.name}: its simulation is baked, and would not start anew: delete the bake first")
+            return modifier
+    raise Unusable(f"{obj.name}: it has no cloth simulation: give it one, or the role of a body")
+
+
+def index(obj, modifier):
+    return next(k for k, other in enumerate(obj.modifiers) if other == modifier)
+
+
+def own_gap(modifier):
+    """The distance within which a simulation takes parts of its cloth for touching."""
+    collisions = modifier.collision_settings
+    return collisions.self_distance_min if collisions.use_self_collision else 0.0
+
+
+def keep_rest_shape(obj, modifier):
+    """A start state is no rest shape: springs keep the lengths that they have without the repair."""
+    keys = obj.data.shape_keys
+    if keys and not modifier.settings.rest_shape_key and not modifier.settings.use_dynamic_mesh:
+        modifier.settings.rest_shape_key = keys.reference_key
+
+
+def register():
+    bpy.utils.register_class(StartOperator)
+
+
+def unregister():
+    bpy.utils.unregister_class(StartOperator)

@@ -1,0 +1,84 @@
+//! `untangled join`: parts of a vertex cache, which several machines repaired, as one file.
+
+mod part;
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use thiserror::Error;
+
+use super::{
+    fix::{FixError, Interrupt, Target},
+    outcome::{CliError, Outcome},
+};
+use part::Part;
+
+/// Join the parts of a vertex cache that `fix --cache --frames` wrote: the bytes are those of one run over all frames.
+///
+/// Parts are .pc2 or .mdd, of the same vertices, the earliest first and without a gap. Numbered meshes need no joining.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct JoinArgs {
+    /// The parts, in the order of their frames
+    #[arg(required = true, value_name = "PART")]
+    parts: Vec<PathBuf>,
+    /// The cache of all of them, of the same format
+    #[arg(short, long, value_name = "OUT")]
+    out: PathBuf,
+    /// Replace OUT if it exists
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// Why parts were not joined.
+#[derive(Debug, Error)]
+pub(super) enum JoinError {
+    /// A part can't be read, or is none.
+    #[error("{}: {reason}", path.display())]
+    Part {
+        /// The part.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The output can't be written.
+    #[error(transparent)]
+    Target(#[from] FixError),
+}
+
+impl JoinError {
+    fn of(path: &Path, reason: impl ToString) -> Self {
+        Self::Part { path: path.to_path_buf(), reason: reason.to_string() }
+    }
+}
+
+/// Joins parts; the output takes its name when it is whole.
+pub(super) fn run(args: &JoinArgs) -> Result<Outcome, CliError> {
+    let parts = args.parts.iter().map(|path| Part::open(path)).collect::<Result<Vec<_>, _>>()?;
+    for pair in parts.windows(2) {
+        pair[1].follows(&pair[0])?;
+    }
+    if parts[0].format.extension() != part::extension(&args.out) {
+        return Err(JoinError::of(&args.out, "must be of the format of its parts").into());
+    }
+    let header = part::header(&parts)?;
+    let inputs: Vec<&Path> = args.parts.iter().map(PathBuf::as_path).collect();
+    let target = Target::new(args.out.clone(), &inputs, args.overwrite)?;
+    let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
+    let staged = target.stage(&interrupt, |out| {
+        out.write_all(&header).map_err(|source| target.failed(&source))?;
+        for part in &parts {
+            io::copy(&mut part.frames(), out).map_err(|source| target.failed(&source))?;
+        }
+        Ok(())
+    })?;
+    staged.persist()?;
+    let num_frames: u64 = parts.iter().map(|part| part.num_frames).sum();
+    super::outcome::print(&super::outcome::printable(&format!(
+        "{}: {num_frames} frames of {} parts\n",
+        args.out.display(),
+        parts.len()
+    )))?;
+    Ok(Outcome::Clean)
+}

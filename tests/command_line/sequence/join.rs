@@ -1,0 +1,85 @@
+//! `join`: parts that several machines repaired, as one file.
+
+use std::fs;
+
+use super::{HEADER_SIZE, code, folder, run};
+
+#[test]
+fn join_of_repaired_parts_has_the_bytes_of_the_whole_in_both_formats() {
+    let folder = folder();
+    let path = folder.path();
+    for format in ["pc2", "mdd"] {
+        let name = |stem: &str| format!("{stem}.{format}");
+        let fix = |out: &str, more: &[&str]| {
+            let cache = name("in");
+            let output = run(&[&["fix", "cloth.obj", "--cache", &cache, "-o", out], more].concat(), path);
+            assert_eq!(code(&output), 0, "{output:?}");
+        };
+        fix(&name("whole"), &[]);
+        for (stem, frames) in [("a", "0..6"), ("b", "7..7"), ("c", "8..23")] {
+            fix(&name(stem), &["--frames", frames]);
+        }
+        let [a, b, c, joined] = ["a", "b", "c", "joined"].map(name);
+        let output = run(&["join", &a, &b, &c, "-o", &joined], path);
+        assert!(code(&output) == 0 && output.stderr.is_empty(), "{output:?}");
+        assert_eq!(String::from_utf8(output.stdout).unwrap(), format!("{joined}: 24 frames of 3 parts\n"));
+        assert!(fs::read(path.join(&joined)).unwrap() == fs::read(path.join(name("whole"))).unwrap());
+
+        // An output that exists is replaced only where that is asked for, an input never.
+        assert_eq!(code(&run(&["join", &a, "-o", &joined], path)), 2);
+        assert_eq!(code(&run(&["join", &a, &b, "-o", &a, "--overwrite"], path)), 2);
+        assert_eq!(code(&run(&["join", &a, "-o", &joined, "--overwrite"], path)), 0);
+        assert!(fs::read(path.join(&joined)).unwrap() == fs::read(path.join(&a)).unwrap());
+    }
+}
+
+#[test]
+fn join_of_what_does_not_belong_together_is_refused_with_the_part_at_fault() {
+    let folder = folder();
+    let path = folder.path();
+    let whole = fs::read(path.join("in.pc2")).unwrap();
+    let frame_size = (whole.len() - HEADER_SIZE) / 24;
+    let part = |first: u16, num_frames: u32| {
+        let mut bytes = whole[..HEADER_SIZE].to_vec();
+        bytes[20..24].copy_from_slice(&(1.0 + f32::from(first)).to_le_bytes());
+        bytes[28..].copy_from_slice(&num_frames.to_le_bytes());
+        let start = HEADER_SIZE + usize::from(first) * frame_size;
+        bytes.extend(&whole[start..start + num_frames as usize * frame_size]);
+        bytes
+    };
+    let write = |name: &str, bytes: &[u8]| fs::write(path.join(name), bytes).unwrap();
+    write("a.pc2", &part(0, 5));
+    write("b.pc2", &part(5, 5));
+    write("late.pc2", &part(6, 5));
+    write("short.pc2", &part(5, 5)[..HEADER_SIZE + 7]);
+    write("stub.pc2", b"POINTCACHE2\0");
+    write("other.pc2", b"POINTCACHE2 \x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0");
+    let mut huge = part(5, 5);
+    huge[16..20].copy_from_slice(&u32::MAX.to_le_bytes());
+    huge[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
+    write("huge.pc2", &huge);
+    let fewer = [&whole[..16], &1u32.to_le_bytes(), &6f32.to_le_bytes(), &whole[24..28], &1u32.to_le_bytes(), &[0; 12]];
+    write("fewer.pc2", &fewer.concat());
+
+    for (parts, words) in [
+        (&["a.pc2", "late.pc2"][..], "late.pc2: starts at 7, and a.pc2 goes to 6"),
+        (&["b.pc2", "a.pc2"], "a.pc2: starts at 1, and b.pc2 goes to 11"),
+        (&["a.pc2", "a.pc2"], "a.pc2: starts at 1, and a.pc2 goes to 6"),
+        (&["a.pc2", "short.pc2"], "short.pc2: has 39 bytes, and its header promises 5 frames"),
+        (&["a.pc2", "huge.pc2"], "huge.pc2: has "),
+        (&["stub.pc2"], "stub.pc2: is too short for its header"),
+        (&["other.pc2"], "other.pc2: does not start with POINTCACHE2"),
+        (&["a.pc2", "fewer.pc2"], "fewer.pc2: has 1 vertices, and a.pc2 has "),
+        (&["a.pc2", "in.mdd"], "in.mdd: is of another format than a.pc2"),
+        (&["in.mdd", "in.mdd"], "in.mdd: starts at 0, and in.mdd goes to 0.95"),
+        (&["cloth.obj"], "cloth.obj: is neither .pc2 nor .mdd"),
+        (&["missing.pc2"], "missing.pc2: "),
+    ] {
+        let output = run(&[&["join"], parts, &["-o", "out.pc2"]].concat(), path);
+        let said = String::from_utf8(output.stderr.clone()).unwrap();
+        assert!(code(&output) == 2 && said.lines().count() == 1 && said.contains(words), "{parts:?}: {said}");
+        assert!(!path.join("out.pc2").exists() && output.stdout.is_empty());
+    }
+    let output = run(&["join", "a.pc2", "b.pc2", "-o", "out.mdd"], path);
+    assert!(code(&output) == 2 && String::from_utf8(output.stderr).unwrap().contains("must be of the format"));
+}
