@@ -142,7 +142,7 @@ def test_object_that_a_key_would_not_repair_is_refused_and_unchanged(scene, spoi
 
 
 def test_cancelled_repair_leaves_no_key_and_shows_all_modifiers(scene):
-    from untangled_blender import fix
+    from untangled_blender.operators import fix
 
     cloth = scene.add("cloth", joined(level(), standing()))
     fine = cloth.modifiers.new("fine", "SUBSURF")

@@ -18,7 +18,7 @@ def shot_vertices(side=12):
 
 def add_cached(scene, folder, name="cloth", **settings):
     """An object that a Mesh Cache modifier moves."""
-    from untangled_blender import caches
+    from untangled_blender.plain import caches
 
     frames, faces = shot_vertices()
     writer = caches.Writer(folder / f"{name}-in.pc2", frames.shape[1], 1)
@@ -53,7 +53,7 @@ def test_shot_of_a_mesh_cache_ends_clean_and_keeps_bits_beside_the_tangle(scene,
     assert cloth.modifiers["thick"].show_viewport
     cloth.modifiers["thick"].show_viewport = False
     assert counts(scene, cloth) == NUM_FRAMES * [0]
-    from untangled_blender import caches
+    from untangled_blender.plain import caches
 
     out, original = caches.read(tmp_path / "untangled" / "cloth.pc2"), shot_vertices()[0]
     assert out.shape == original.shape and (out != original).any()
@@ -86,13 +86,14 @@ def test_shot_with_a_moving_body_ends_outside_of_it(scene, tmp_path):
     assert [modifier.name for modifier in ball.modifiers] == []
 
 
-def test_shot_of_two_objects_is_repaired_together_and_split(scene, tmp_path):
-    below = scene.add("below", level(12))
-    above = add_cached(scene, tmp_path, "above")
+@pytest.mark.parametrize("layers", [(0, 0), (1, 2)])
+def test_shot_of_two_objects_is_repaired_together_and_split(scene, tmp_path, layers):
+    below = scene.add("below", level(12), layer=layers[0])
+    above = add_cached(scene, tmp_path, "above", layer=layers[1])
     frames, faces = shot_vertices()
     above.data.clear_geometry()
     above.data.from_pydata(frames[0][144:].tolist(), [], (faces[len(faces) // 2 :] - 144).tolist())
-    from untangled_blender import caches
+    from untangled_blender.plain import caches
 
     caches.part(tmp_path / "above-in.pc2", tmp_path / "upper.pc2", 144, 288)
     above.modifiers["cache"].filepath = str(tmp_path / "upper.pc2")
@@ -101,7 +102,8 @@ def test_shot_of_two_objects_is_repaired_together_and_split(scene, tmp_path):
 
 
 def test_shot_that_is_cancelled_leaves_the_scene_and_the_folder(scene, tmp_path):
-    from untangled_blender import child, shot
+    from untangled_blender.operators import shot
+    from untangled_blender.plain import child
 
     cloth = add_cached(scene, tmp_path)
     running = []
@@ -205,9 +207,9 @@ def test_start_state_of_a_simulation_is_clean_with_its_gap_and_rests_as_before(s
     assert scene.ops.start() == {"FINISHED"} and bpy.context.scene.frame_current == 3
     assert modifier.show_viewport and modifier.settings.rest_shape_key.name == "Basis"
     cloth.modifiers["fine"].show_viewport = False
-    from untangled_blender import solve
+    from untangled_blender.plain import solve
     from untangled_blender.sheets import sheet
-    from untangled_blender.world import World
+    from untangled_blender.plain.world import World
 
     state = World.of([sheet(bpy.context, cloth)])
     assert solve.verdict(state, 0.004) == "", "what the simulation starts from keeps its distance"

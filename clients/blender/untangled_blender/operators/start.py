@@ -2,10 +2,10 @@
 
 import bpy
 
+from ..plain.world import Unusable
+from ..sheets import is_body, num_deforming, selected
 from .fix import fixed
 from .jobs import Job
-from .sheets import is_body, num_deforming, selected
-from .world import Unusable
 
 
 class StartOperator(Job, bpy.types.Operator):
