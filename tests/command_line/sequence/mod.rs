@@ -1,4 +1,4 @@
-//! `check` and `fix` with `--cache`, and `join`.
+//! `check` and `fix` with `--cache`.
 
 mod check;
 mod coherence;
