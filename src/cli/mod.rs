@@ -6,6 +6,7 @@
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
+//! | `join` | parts of a cache, repaired by several machines, as one file |
 //! | `roles` | bodies beside the cloth, and layers: `--body`, `--layers` |
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
@@ -13,7 +14,6 @@
 //! | `html` | `--html`: a page to look at |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
-//! | `join` | parts of a cache, repaired by several machines, as one file |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 

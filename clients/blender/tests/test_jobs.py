@@ -27,7 +27,7 @@ class Window:
 
 @pytest.fixture
 def job(registered, monkeypatch):
-    from untangled_blender import jobs
+    from untangled_blender.operators import jobs
 
     class Made(jobs.Job):
         bl_label = "Made"
@@ -74,7 +74,7 @@ def test_job_is_ended_by_esc_and_cleans_up(job):
 
 
 def test_job_that_fails_says_so_and_leaves_no_timer(job):
-    from untangled_blender.world import Unusable
+    from untangled_blender.plain.world import Unusable
 
     window = Window()
     job.fails = Unusable("cloth: it has no faces")

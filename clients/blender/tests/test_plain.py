@@ -5,8 +5,8 @@ import pytest
 from conftest import joined, level, standing
 
 import untangled_cloth as untangled
-from untangled_blender import caches, findings, solve
-from untangled_blender.world import Sheet, Unusable, World
+from untangled_blender.plain import caches, findings, solve
+from untangled_blender.plain.world import Sheet, Unusable, World
 
 
 def triangles(quads):

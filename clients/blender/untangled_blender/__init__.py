@@ -1,13 +1,14 @@
 """Untangled Cloth, an extension for Blender: finds where cloth passes through itself, and repairs it.
 
-Modules that need no Blender: `world` (objects as one mesh), `findings` (what to list and draw), `caches`, `child` (the
-program over a shot), `solve`. The others: `properties`, `sheets` (objects as they are evaluated), `keys` (a repair as a
-shape key), `overlay`, `curves`, `jobs` (progress and Esc), the operators `check`, `fix`, `start` and `shot`, `panel`.
+`plain` needs no Blender: objects as one mesh, what to list and draw, caches, the program over a shot. Beside it are
+what a user chooses (`properties`), objects as they are evaluated (`sheets`), a repair as a shape key (`keys`), lines in
+the viewport (`overlay`), and the sidebar (`panel`); `operators` has what that calls.
 """
 
 
 def _modules():
-    from . import check, curves, fix, overlay, panel, properties, shot, start
+    from . import overlay, panel, properties
+    from .operators import check, curves, fix, shot, start
 
     return properties, check, curves, fix, start, shot, overlay, panel
 

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from .world import Unusable
+from .plain.world import Unusable
 
 NAME = "Untangled"
 

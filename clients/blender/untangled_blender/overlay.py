@@ -4,7 +4,7 @@ import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
-from .findings import COLOURS
+from .plain.findings import COLOURS
 
 WIDTH = 4.0
 """Pixels."""

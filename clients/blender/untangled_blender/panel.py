@@ -2,7 +2,7 @@
 
 import bpy
 
-from .findings import COLOURS
+from .plain.findings import COLOURS
 from .sheets import is_body
 
 

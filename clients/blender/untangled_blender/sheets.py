@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
-from .world import Sheet, Unusable
+from .plain.world import Sheet, Unusable
 
 DEFORMS = {
     "ARMATURE", "CAST", "CLOTH", "COLLISION", "CORRECTIVE_SMOOTH", "CURVE", "DATA_TRANSFER", "DISPLACE", "HOOK",

@@ -1,5 +1,6 @@
 //! `untangled join`: parts of a vertex cache, which several machines repaired, as one file.
 
+mod error;
 mod part;
 
 use std::{
@@ -7,12 +8,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use thiserror::Error;
-
 use super::{
     fix::{FixError, Interrupt, Target},
     outcome::{CliError, Outcome},
 };
+use error::JoinError;
 use part::Part;
 
 /// Join the parts of a vertex cache that `fix --cache --frames` wrote: the bytes are those of one run over all frames.
@@ -29,28 +29,6 @@ pub(super) struct JoinArgs {
     /// Replace OUT if it exists
     #[arg(long)]
     overwrite: bool,
-}
-
-/// Why parts were not joined.
-#[derive(Debug, Error)]
-pub(super) enum JoinError {
-    /// A part can't be read, or is none.
-    #[error("{}: {reason}", path.display())]
-    Part {
-        /// The part.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// The output can't be written.
-    #[error(transparent)]
-    Target(#[from] FixError),
-}
-
-impl JoinError {
-    fn of(path: &Path, reason: impl ToString) -> Self {
-        Self::Part { path: path.to_path_buf(), reason: reason.to_string() }
-    }
 }
 
 /// Joins parts; the output takes its name when it is whole.

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::JoinError;
+use super::error::JoinError;
 
 const PC2_MAGIC: &[u8; 12] = b"POINTCACHE2\0";
 const PC2_SIZE: usize = 32;

@@ -12,11 +12,11 @@ import time
 import bpy
 import untangled_cloth as untangled
 
-from . import caches, child
+from ..plain import caches, child
+from ..plain.world import Unusable
+from ..sheets import is_body, num_deforming, selected, up_to
 from .jobs import Job
 from .sampling import Samples
-from .sheets import is_body, num_deforming, selected, up_to
-from .world import Unusable
 
 MODIFIER = "Untangled shot"
 PAUSE_S = 0.02

@@ -2,10 +2,10 @@
 
 import bpy
 
+from ..plain.world import Unusable
+from ..sheets import is_body, num_deforming, selected
 from .fix import fixed
 from .jobs import Job
-from .sheets import is_body, num_deforming, selected
-from .world import Unusable
 
 
 class StartOperator(Job, bpy.types.Operator):
@@ -30,8 +30,6 @@ class StartOperator(Job, bpy.types.Operator):
         ends = {obj: min(num_deforming(obj), index(obj, modifier)) for obj, modifier in simulations.items()}
         gap = context.scene.untangled.gap or max((own_gap(modifier) for modifier in simulations.values()), default=0.0)
         words = yield from fixed(context, objects, ends, gap)
-        for obj, modifier in simulations.items():
-            keep_rest_shape(obj, modifier)
         self.report({"INFO" if words.startswith("clean") else "WARNING"}, f"gap of {gap:.4g}: {words}")
 
 
@@ -53,13 +51,6 @@ def own_gap(modifier):
     """The distance within which a simulation takes parts of its cloth for touching."""
     collisions = modifier.collision_settings
     return collisions.self_distance_min if collisions.use_self_collision else 0.0
-
-
-def keep_rest_shape(obj, modifier):
-    """A start state is no rest shape: springs keep the lengths that they have without the repair."""
-    keys = obj.data.shape_keys
-    if keys and not modifier.settings.rest_shape_key and not modifier.settings.use_dynamic_mesh:
-        modifier.settings.rest_shape_key = keys.reference_key
 
 
 def register():

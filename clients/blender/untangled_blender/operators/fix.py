@@ -2,11 +2,11 @@
 
 import bpy
 
-from . import keys
+from .. import keys
+from ..plain.solve import repair, verdict
+from ..plain.world import Unusable, World
+from ..sheets import is_body, metres, num_deforming, selected, sheet, up_to
 from .jobs import Job
-from .sheets import is_body, metres, num_deforming, selected, sheet, up_to
-from .solve import repair, verdict
-from .world import Unusable, World
 
 ROUNDS = 4
 """Blender rounds to single precision, and modifiers may bend what a key does: so often is the outcome repaired."""

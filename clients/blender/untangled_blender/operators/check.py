@@ -4,10 +4,10 @@ import bpy
 import numpy as np
 import untangled_cloth as untangled
 
-from . import overlay
-from .findings import findings, segments_by_type, summary, wrong_vertices
-from .sheets import is_body, metres, selected, sheets
-from .world import Unusable, World
+from .. import overlay
+from ..plain.findings import findings, segments_by_type, summary, wrong_vertices
+from ..plain.world import Unusable, World
+from ..sheets import is_body, metres, selected, sheets
 
 GROUP = "Untangled inside"
 """Vertex group of vertices on the wrong side."""

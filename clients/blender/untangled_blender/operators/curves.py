@@ -2,8 +2,8 @@
 
 import bpy
 
-from . import overlay
-from .findings import COLOURS
+from .. import overlay
+from ..plain.findings import COLOURS
 
 COLLECTION = "Untangled paths"
 

@@ -6,7 +6,7 @@ of the scene, it changes at its end, so that Esc leaves all as it was.
 
 import bpy
 
-from .world import Unusable
+from ..plain.world import Unusable
 
 TICK_S = 0.05
 

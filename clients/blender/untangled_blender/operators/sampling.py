@@ -6,9 +6,9 @@ Blender shows.
 
 import numpy as np
 
-from . import caches
-from .sheets import is_body, polygons, sheet
-from .world import Unusable
+from ..plain import caches
+from ..plain.world import Unusable
+from ..sheets import is_body, polygons, sheet
 
 SAME = 1e-6
 """Two places are one if the entries of their matrices differ by no more than this share of the scale."""
