@@ -92,7 +92,8 @@ impl Namespaces {
             run("ip", &format!("netns exec {namespace} nft add table inet loss"))?;
             let hook = "{ type filter hook output priority 0 ; }";
             run("ip", &format!("netns exec {namespace} nft add chain inet loss out {hook}"))?;
-            let rule = format!("ip daddr 10.77.0.0/16 numgen random mod 100 < {percent} drop");
+            let chance = if percent < 100 { format!("numgen random mod 100 < {percent}") } else { String::new() };
+            let rule = format!("ip daddr 10.77.0.0/16 {chance} drop");
             run("ip", &format!("netns exec {namespace} nft add rule inet loss out {rule}"))?;
         }
         Ok(())

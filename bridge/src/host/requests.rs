@@ -2,7 +2,7 @@
 
 use std::{
     sync::{Arc, atomic::Ordering},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use iceoryx2::prelude::EventId;
@@ -34,6 +34,8 @@ use crate::{
 /// Longest time that a daemon end may take for a registration, and for another request.
 const REGISTRATION: Duration = Duration::from_secs(60);
 const OTHER: Duration = Duration::from_secs(5);
+/// Time until a request that no daemon has answered is asked again.
+const RETRY: Duration = Duration::from_millis(20);
 
 /// The content of a reply.
 struct Answer {
@@ -56,41 +58,71 @@ impl From<Refusal> for Failure {
 }
 
 /// Passes a request on, and replies. For a thread that may wait.
+///
+/// A request that no daemon answers is asked again: a client waits for its reply for as long as the server is the same,
+/// and it is while another daemon, or the next run of this one, serves.
 pub(crate) fn serve(shared: &Arc<Shared>, pending: &Pending, header: &RequestHeader, layout: PayloadLayout) {
     count(&shared.metrics.num_requests);
     // A copy: the peer may go on writing.
     let payload = pending.payload().to_vec();
-    let answer = match RequestKind::from_code(header.kind) {
-        Some(RequestKind::Register) if header.protocol_version == PROTOCOL_VERSION => {
-            register(shared, header, &payload, layout)
-        }
-        Some(RequestKind::UpdateSettings | RequestKind::Close) if header.protocol_version == PROTOCOL_VERSION => {
-            to_session(shared, header, &payload)
-        }
-        Some(RequestKind::Status) if header.protocol_version == PROTOCOL_VERSION => to_any(shared, header, &payload)
-            .map(|answer| status::add(shared, answer.payload, answer.header))
-            .map(|(payload, header)| Answer { header, payload }),
-        _ => to_any(shared, header, &payload),
-    };
-    let answer = match answer {
-        Ok(answer) => answer,
-        Err(Failure::NoDaemon) => {
-            // The request is dropped, and the host sees the daemon gone as soon as no daemon is left.
-            tracing::debug!(kind = header.kind, "no daemon has answered a request");
-            return;
-        }
-        Err(Failure::Refused(Refusal { status, message })) => {
-            count(&shared.metrics.num_refused_requests);
-            let header = ReplyHeader { status: status.code(), ..ReplyHeader::default() };
-            Answer { header, payload: message.into_bytes() }
+    let (begin, opening) = (Instant::now(), shared.num_openings.load(Ordering::Relaxed));
+    let answer = loop {
+        match ask_for(shared, header, &payload, layout) {
+            Ok(answer) => break answer,
+            Err(Failure::Refused(refusal)) => break refused(shared, refusal),
+            Err(Failure::NoDaemon) => {
+                let is_open = shared.num_openings.load(Ordering::Relaxed) == opening;
+                if !is_open || !pending.is_connected() || begin.elapsed() > REGISTRATION {
+                    // The host finds no daemon, or has given up.
+                    return tracing::debug!(kind = header.kind, "no daemon has answered a request");
+                }
+                std::thread::sleep(RETRY);
+            }
         }
     };
-    if let Err(reason) = send(shared, pending, header.token, layout, &answer) {
+    reply(shared, pending, header.token, layout, &answer);
+}
+
+/// Refuses a request for which there is no thread.
+pub(crate) fn refuse(shared: &Shared, pending: &Pending, header: &RequestHeader, layout: PayloadLayout) {
+    let refusal = Refusal::new(Status::TooManySessions, "too many requests are on their way to daemons already");
+    reply(shared, pending, header.token, layout, &refused(shared, refusal));
+}
+
+fn refused(shared: &Shared, refusal: Refusal) -> Answer {
+    count(&shared.metrics.num_refused_requests);
+    let header = ReplyHeader { status: refusal.status.code(), ..ReplyHeader::default() };
+    Answer { header, payload: refusal.message.into_bytes() }
+}
+
+fn reply(shared: &Shared, pending: &Pending, token: [u64; 2], layout: PayloadLayout, answer: &Answer) {
+    if let Err(reason) = send(shared, pending, token, layout, answer) {
         static LOST: Throttle = Throttle::new();
         if let Some(num_suppressed) = LOST.admit() {
             // Most likely the client is gone; a session that it registered ends when no host comes.
             tracing::info!(reason, num_suppressed, "sending a reply");
         }
+    }
+}
+
+fn ask_for(
+    shared: &Arc<Shared>,
+    header: &RequestHeader,
+    payload: &[u8],
+    layout: PayloadLayout,
+) -> Result<Answer, Failure> {
+    if header.protocol_version != PROTOCOL_VERSION {
+        return to_any(shared, header, payload);
+    }
+    match RequestKind::from_code(header.kind) {
+        Some(RequestKind::Register) => register(shared, header, payload, layout),
+        Some(RequestKind::UpdateSettings | RequestKind::Close) => to_session(shared, header, payload),
+        Some(RequestKind::Status) => {
+            let Answer { header, payload } = to_any(shared, header, payload)?;
+            let (payload, header) = status::add(shared, payload, header);
+            Ok(Answer { header, payload })
+        }
+        _ => to_any(shared, header, payload),
     }
 }
 
@@ -163,8 +195,9 @@ fn to_session(shared: &Shared, header: &RequestHeader, payload: &[u8]) -> Result
         }
         Some(Reply::Refused(words)) => Err(Refusal::new(Status::BadRequest, words).into()),
         Some(Reply::NoDaemon(_)) | None => {
+            // As by the next run of a daemon that went away.
             session.end();
-            Err(Failure::NoDaemon)
+            Err(unknown().into())
         }
     }
 }

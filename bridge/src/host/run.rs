@@ -121,6 +121,7 @@ impl HostEnd {
             run: random.hash_one(Instant::now()),
             num_registered: AtomicU64::new(0),
             num_requests: AtomicUsize::new(0),
+            num_openings: AtomicU64::new(0),
             random,
             network: net::open(&options.network)?,
             reply_notifier: notifier,
@@ -166,11 +167,15 @@ impl HostEnd {
     /// Serves requests while a daemon is there.
     fn open_or_close(&mut self, lock: &mut DomainLock<'_>) -> Result<(), BridgeError> {
         let has_daemon = self.shared.directory.has_any();
-        if has_daemon && self.inlets.is_empty() {
+        if has_daemon != self.inlets.is_empty() {
+            return Ok(());
+        }
+        self.shared.num_openings.fetch_add(1, Ordering::Relaxed);
+        if has_daemon {
             lock.announce()?;
             self.inlets = Inlet::open_all(&self.shared.node, &self.shared.domain)?;
             tracing::info!(domain = self.shared.domain.name(), "serving");
-        } else if !has_daemon && !self.inlets.is_empty() {
+        } else {
             self.inlets.clear();
             lock.withdraw()?;
             tracing::warn!(domain = self.shared.domain.name(), "no daemon is left: not serving");
@@ -186,7 +191,7 @@ impl HostEnd {
                 let (shared, layout) = (Arc::clone(&self.shared), inlet.layout());
                 if shared.num_requests.fetch_add(1, Ordering::Relaxed) >= MAX_REQUESTS {
                     shared.num_requests.fetch_sub(1, Ordering::Relaxed);
-                    count(&shared.metrics.num_refused_requests);
+                    requests::refuse(&shared, &pending, &header, layout);
                     continue;
                 }
                 let answer = move || {

@@ -38,6 +38,8 @@ pub(crate) struct Shared {
     pub(crate) run: u64,
     pub(crate) num_registered: AtomicU64,
     pub(crate) num_requests: AtomicUsize,
+    /// How often the servers for requests were opened or closed.
+    pub(crate) num_openings: AtomicU64,
     pub(crate) random: RandomState,
     pub(crate) network: zenoh::Session,
     pub(crate) reply_notifier: Notifier<Ipc>,

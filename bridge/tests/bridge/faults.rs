@@ -68,6 +68,20 @@ fn session_goes_on_after_each_part_of_the_way_was_killed() {
     }
 }
 
+/// A registration may reach a daemon end between two runs of its daemon, too short for hosts to find none at all.
+#[test]
+fn registration_during_a_restart_of_the_daemon_is_answered_by_its_next_run() {
+    let mut bridged = Bridged::start();
+    let sheets = Sheets::new(8);
+    let mut session = bridged.near_host.connect().register(sheets.registration()).unwrap();
+    for _ in 0..10 {
+        bridged.daemon.kill();
+        bridged.daemon = ends::serve(&bridged.near_daemon);
+        let back = until_back(&mut session, &sheets);
+        assert!(back < PATIENCE / 3, "the request was dropped, and the host waited {back:?} for its reply");
+    }
+}
+
 #[test]
 fn sessions_spread_over_daemons_and_move_when_theirs_is_gone() {
     let near_host = TestDomain::new();
