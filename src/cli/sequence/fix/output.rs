@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use untangled_mesh_io::{Pattern, VertexCache};
+use untangled_mesh_io::Pattern;
 
 use super::journal::{Entry, beside};
 use crate::cli::{
@@ -211,16 +211,4 @@ fn may_write(
 
 fn failed(path: &Path, source: &io::Error) -> SequenceError {
     SequenceError::Target { path: path.to_path_buf(), reason: format!("can't be written: {source}") }
-}
-
-/// All files of caches.
-pub(super) fn files_of<'c>(caches: impl Iterator<Item = &'c VertexCache>) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for cache in caches {
-        match cache.pattern() {
-            Some(pattern) => files.extend(cache.frames().map(|frame| pattern.file(frame))),
-            None => files.push(cache.path().to_path_buf()),
-        }
-    }
-    files
 }
