@@ -13,9 +13,9 @@ export function program() {
 
 /**
  * Opens a page from disk and waits until it is drawn. `complaints` gets what it logs as an error, and every request that
- * is not for the file itself.
+ * is not for the file itself. `processorSeconds` is asked before and after.
  */
-export async function open(file, { width, height }) {
+export async function open(file, { width, height }, processorSeconds = () => NaN) {
   const browser = await chromium.launch({
     executablePath: program(),
     headless: true,
@@ -34,11 +34,12 @@ export async function open(file, { width, height }) {
     const url = request.url();
     if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`fetches ${url}`);
   });
-  const start = performance.now();
+  const [start, startProcessorS] = [performance.now(), processorSeconds()];
   await tab.goto(address);
   await tab.waitForSelector("html[data-ready]");
   await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  return { browser, tab, complaints, openMs: performance.now() - start };
+  const [openMs, openProcessorS] = [performance.now() - start, processorSeconds() - startProcessorS];
+  return { browser, tab, complaints, openMs, openProcessorS };
 }
 
 /** How many pixels of a screenshot are near each colour (`#rrggbb`): each channel within `within`. */

@@ -25,27 +25,45 @@ export class OrbitCamera {
   private elevation = 0.45;
   private distance = 1;
   private up: Up = "y";
+  /** Whether the whole box is in sight, and nobody has changed that. */
+  private isFitted = false;
   private centre = new Vector3();
+  private half = new Vector3(1, 1, 1);
   private radius = 1;
 
   constructor(private readonly changed: () => void) {}
 
-  /** The box that fits into the picture. */
-  frame(centre: Vector3, radius: number, up: Up) {
+  /** The box that fits into the picture: its centre, and half of its size. */
+  frame(centre: Vector3, half: Vector3, up: Up) {
     this.centre.copy(centre);
-    this.radius = Math.max(radius, 1e-9);
+    this.half.copy(half);
+    this.radius = Math.max(half.length(), 1e-9);
     this.up = up;
     this.fit();
   }
 
   setUp(up: Up) {
     this.up = up;
+    if (this.isFitted) this.fit();
     this.update();
   }
 
   fit() {
     this.target.copy(this.centre);
-    this.distance = this.fitting(this.radius);
+    this.update();
+    // How far away each corner of the box is in sight.
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const [right, up, towards] = [new Vector3(), new Vector3(), new Vector3()];
+    this.camera.matrixWorld.extractBasis(right, up, towards);
+    let distance = this.radius * 0.5;
+    for (let corner = 0; corner < 8; corner++) {
+      const sign = (bit: number) => ((corner >> bit) & 1 ? 1 : -1);
+      const place = new Vector3(sign(0), sign(1), sign(2)).multiply(this.half);
+      const across = Math.abs(place.dot(right)) / (tangent * this.camera.aspect);
+      distance = Math.max(distance, Math.max(across, Math.abs(place.dot(up)) / tangent) + place.dot(towards));
+    }
+    this.isFitted = true;
+    this.distance = distance * 1.04;
     this.update();
   }
 
@@ -57,30 +75,35 @@ export class OrbitCamera {
 
   /** Looks at a place from not too far away. */
   lookAt(place: Vector3, radius: number) {
+    this.isFitted = false;
     this.target.copy(place);
-    this.distance = Math.min(this.fitting(Math.max(radius * 1.6, this.radius * 0.15)), this.fitting(this.radius));
+    this.distance = Math.min(this.fitting(Math.max(radius * 1.6, this.radius * 0.05)), this.fitting(this.radius));
     this.update();
   }
 
   from(azimuth: number, elevation: number) {
     this.azimuth = azimuth;
     this.elevation = elevation;
+    if (this.isFitted) this.fit();
     this.update();
   }
 
   rotate(across: number, upwards: number) {
+    this.isFitted = false;
     this.azimuth -= across;
     this.elevation = Math.max(-1.55, Math.min(1.55, this.elevation + upwards));
     this.update();
   }
 
   zoom(factor: number) {
+    this.isFitted = false;
     this.distance = Math.max(this.radius * 1e-3, Math.min(this.radius * 40, this.distance * factor));
     this.update();
   }
 
   /** Moves what is looked at, in parts of the height of the picture. */
   pan(across: number, upwards: number) {
+    this.isFitted = false;
     const height = 2 * this.distance * Math.tan((this.camera.fov * Math.PI) / 360);
     const [right, up] = [new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, new Vector3());
@@ -91,6 +114,10 @@ export class OrbitCamera {
   resize(width: number, height: number) {
     const old = this.fitting(this.radius);
     this.camera.aspect = width / Math.max(1, height);
+    if (this.isFitted) {
+      this.fit();
+      return;
+    }
     this.distance *= this.fitting(this.radius) / old;
     this.update();
   }

@@ -39,7 +39,7 @@ varying float amount;
 varying vec4 region;
 void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-  float light = 0.52 + 0.36 * abs(normal.z) + 0.12 * dot(normal * sign(normal.z), vec3(-0.5, 0.75, 0.45));
+  float light = 0.6 + 0.3 * abs(normal.z) + 0.14 * dot(normal * sign(normal.z), vec3(-0.5, 0.75, 0.45));
   vec3 base = colour;
   if (isMapped) {
     base = texture2D(map, vec2(amount * 0.996 + 0.002, 0.5)).rgb;
@@ -68,7 +68,7 @@ export class Cloth {
     geometry.setIndex(new Uint32BufferAttribute(triangles, 1));
     geometry.setAttribute("position", new BufferAttribute(first.positions, 3));
     geometry.setAttribute("after", new BufferAttribute(last.positions, 3));
-    geometry.setAttribute("tint", tints(parts));
+    geometry.setAttribute("tint", tints(parts, triangles, first.positions));
     geometry.setAttribute("value", new BufferAttribute(new Float32Array(first.positions.length / 3), 1));
     geometry.setAttribute("inside", insides(first));
     geometry.setAttribute("insideAfter", insides(last));
@@ -105,10 +105,15 @@ export class Cloth {
     cloth.uniforms["map"]!.value = textureOf(map);
   }
 
-  /** Replaces the state that is shown, of which there is one. */
-  setState(state: State) {
-    (this.geometry.getAttribute("position") as BufferAttribute).copyArray(state.positions).needsUpdate = true;
-    this.geometry.setAttribute("inside", insides(state));
+  /** Other states of the same mesh. */
+  setStates(states: State[]) {
+    const [first, last] = [states[0]!, states[states.length - 1]!];
+    for (const [name, state] of [["position", first], ["after", last]] as const) {
+      (this.geometry.getAttribute(name) as BufferAttribute).copyArray(state.positions).needsUpdate = true;
+    }
+    for (const [name, state] of [["inside", first], ["insideAfter", last]] as const) {
+      (this.geometry.getAttribute(name) as BufferAttribute).copyArray(insides(state).array).needsUpdate = true;
+    }
   }
 }
 
@@ -123,16 +128,47 @@ function material(opacity: number): ShaderMaterial {
   });
 }
 
-/** A calm colour for each file. */
-function tints(parts: Part[]): BufferAttribute {
-  const total = parts.reduce((sum, part) => sum + part.num_vertices, 0);
-  const colours = new Float32Array(3 * total);
+/** A calm colour for each file, or for each piece where there is one file of cloth. */
+function tints(parts: Part[], triangles: Uint32Array, positions: Float32Array): BufferAttribute {
+  const colours = new Float32Array(positions.length);
+  const pieces = parts.filter((part) => part.role !== "body").length === 1 ? piecesOf(triangles, positions) : null;
   let at = 0;
   parts.forEach((part, number) => {
-    const colour = part.role === "body" ? BODY : CLOTHS[number % CLOTHS.length]!;
-    for (let i = 0; i < part.num_vertices; i++, at += 3) colours.set(colour, at);
+    for (let i = 0; i < part.num_vertices; i++, at++) {
+      const colour = part.role === "body" ? BODY : CLOTHS[(pieces ? pieces[at]! : number) % CLOTHS.length]!;
+      colours.set(colour, 3 * at);
+    }
   });
   return new BufferAttribute(colours, 3);
+}
+
+/** For each vertex the number of its piece; vertices in one place are one. */
+export function piecesOf(triangles: Uint32Array, positions: Float32Array): Uint32Array {
+  const parent = Uint32Array.from({ length: positions.length / 3 }, (_, vertex) => vertex);
+  const root = (vertex: number): number => {
+    while (parent[vertex] !== vertex) vertex = parent[vertex] = parent[parent[vertex]!]!;
+    return vertex;
+  };
+  const join = (a: number, b: number) => {
+    parent[root(b)] = root(a);
+  };
+  const seen = new Map<string, number>();
+  for (let vertex = 0; vertex < parent.length; vertex++) {
+    const place = positions.subarray(3 * vertex, 3 * vertex + 3).join(" ");
+    const first = seen.get(place);
+    if (first === undefined) seen.set(place, vertex);
+    else join(first, vertex);
+  }
+  for (let i = 0; i < triangles.length; i += 3) {
+    join(triangles[i]!, triangles[i + 1]!);
+    join(triangles[i]!, triangles[i + 2]!);
+  }
+  const numbers = new Map<number, number>();
+  return parent.map((_, vertex) => {
+    const own = root(vertex);
+    if (!numbers.has(own)) numbers.set(own, numbers.size);
+    return numbers.get(own)!;
+  });
 }
 
 /** For each vertex inside the colour of its path, and 1. */

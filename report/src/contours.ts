@@ -61,11 +61,17 @@ function lineMaterial(kind: Kind, isHidden: boolean): LineMaterial {
   return material;
 }
 
+const TEXTURES = new Map<string, CanvasTexture>();
+
 function markerTexture(kind: Kind): CanvasTexture {
+  const known = TEXTURES.get(kind.name);
+  if (known) return known;
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 64;
   drawMarker(canvas.getContext("2d")!, kind.marker, kind.colour, 32, 32, 23);
-  return new CanvasTexture(canvas);
+  const texture = new CanvasTexture(canvas);
+  TEXTURES.set(kind.name, texture);
+  return texture;
 }
 
 /** The paths of one state. */
@@ -139,6 +145,15 @@ export class Contours {
     rim.userData = core.userData = { opacity: 1 };
     core.linewidth = 1.3 * WIDTH;
     this.picked.add(this.line(corners, rim, 5), this.line(corners, core, 6));
+  }
+
+  /** Gives back what the graphics card holds. */
+  dispose() {
+    this.group.traverse((object) => {
+      const { geometry, material } = object as Points;
+      geometry?.dispose();
+      (material as PointsMaterial | undefined)?.dispose();
+    });
   }
 
   /** Shows or hides a type. */

@@ -1,5 +1,5 @@
 // The controls under the picture, and the legends.
-import type { PageData, State } from "./data";
+import type { FoundData, PageData, State } from "./data";
 import { counted, el } from "./dom";
 import { KINDS, sample } from "./kinds";
 import { type ColourMap, gradientOf } from "./maps";
@@ -27,8 +27,9 @@ export function beforeAfterSlider(moved: (mixing: number) => void): { element: H
   return { element, set };
 }
 
-/** What colours the cloth: nothing, or a colour map with its legend. */
-export function mapChoice(maps: ColourMap[], view: View): HTMLElement {
+/** What colours the cloth: nothing, or a colour map with its legend. `renew` gives it the maps of another frame. */
+export function mapChoice(first: ColourMap[], view: View): { element: HTMLElement; renew: (maps: ColourMap[]) => void } {
+  let maps = first;
   const legend = el("div", { class: "map", hidden: true });
   const choose = (name: string) => {
     const map = maps.find((map) => map.name === name) ?? null;
@@ -37,10 +38,14 @@ export function mapChoice(maps: ColourMap[], view: View): HTMLElement {
     legend.replaceChildren(...(map ? mapLegend(map) : []));
   };
   const select = el("select", { id: "map", change: () => choose(select.value) },
-    el("option", { value: "" }, "files, inside regions hatched"),
+    el("option", { value: "" }, "files or pieces, inside regions hatched"),
     ...maps.map((map) => el("option", { value: map.name }, map.name === "moved" ? "distance moved" : "stretch")));
-  const row = maps.length > 0 && el("div", { class: "row" }, el("label", { for: "map" }, "Colour the cloth by"), select);
-  return el("div", {}, row, legend);
+  const row = maps.length > 0 && el("div", { class: "row noprint" }, el("label", { for: "map" }, "Colour the cloth by"), select);
+  const renew = (others: ColourMap[]) => {
+    maps = others;
+    if (select.value !== "") choose(select.value);
+  };
+  return { element: el("div", {}, row, legend), renew };
 }
 
 function mapLegend(map: ColourMap): HTMLElement[] {
@@ -54,9 +59,14 @@ function mapLegend(map: ColourMap): HTMLElement[] {
 }
 
 /** The types that occur, each with its sample, its numbers, and a box to hide it. */
-export function kindLegend(states: State[], view: View): HTMLElement {
+export function kindLegend(page: PageData, states: State[], view: View): HTMLElement {
+  // Of a sequence those of all frames.
+  const found: FoundData[][] = page.sequence?.frames.map((frame) => frame.states)
+    ?? [states.map((state) => ({ paths: state.paths, points: "", lines: "", wrong_sides: state.wrongSides }))];
+  const countOf = (number: number, name: string) => found.reduce((sum, frame) =>
+    sum + (frame[number]?.paths ?? []).filter((path) => path.pair_type === name).length, 0);
   const rows = KINDS.flatMap((kind) => {
-    const counts = states.map((state) => state.paths.filter((path) => path.pair_type === kind.name).length);
+    const counts = states.map((_, number) => countOf(number, kind.name));
     if (counts.every((count) => count === 0)) return [];
     const box = el("input", { type: "checkbox", checked: true, change: () => view.setKind(kind.name, box.checked) });
     box.checked = true;
@@ -64,13 +74,13 @@ export function kindLegend(states: State[], view: View): HTMLElement {
     return [el("label", { class: "kind", "data-kind": kind.name }, box, sample(kind),
       el("span", { class: "words" }, el("strong", {}, kind.name), ` ${numbers}`, el("small", {}, kind.words)))];
   });
-  const dots = states.flatMap((state) => state.wrongSides.map((wrong) => wrong.kind));
+  const dots = found.flat().flatMap((state) => state.wrong_sides.map((wrong) => wrong.kind));
   for (const kind of new Set(dots)) {
     const words = kind === "body" ? "vertices inside of a body" : "vertices behind an inner layer";
     rows.push(el("label", { class: "kind" }, el("span", { class: `dot ${kind}`, "aria-hidden": "true" }), words));
   }
   if (rows.length === 0) return el("div");
-  return el("fieldset", { class: "legend" }, el("legend", {}, "Types of paths"), ...rows);
+  return el("fieldset", { class: "legend" }, el("legend", {}, page.sequence ? "Types of paths, in all frames" : "Types of paths"), ...rows);
 }
 
 /** The way the picture is looked at. */
@@ -102,7 +112,8 @@ export function pageButtons(page: PageData): HTMLElement {
   } }, ...[["", "light or dark: as the system"], ["light", "light"], ["dark", "dark"]].map(([value, text]) =>
     el("option", { value: value! }, text!)));
   const save = () => {
-    const url = URL.createObjectURL(new Blob([JSON.stringify(page.report)], { type: "application/json" }));
+    const lines = [...(page.sequence?.frames.map(({ line }) => line) ?? []), page.report];
+    const url = URL.createObjectURL(new Blob([lines.map((line) => `${JSON.stringify(line)}\n`).join("")], { type: "application/json" }));
     el("a", { href: url, download: `untangled-${page.command}.json` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 1000);
   };

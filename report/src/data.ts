@@ -19,6 +19,17 @@ export interface PageData {
   };
   states: StateData[];
   change?: { moved_m: string; stretch: string };
+  sequence?: SequenceData;
+}
+
+/** The frames of a shot. Coordinates are whole numbers of steps from the lowest, of two bytes. */
+export interface SequenceData {
+  low: [number, number, number];
+  step: [number, number, number];
+  /** Differences to the frame before, and of `after` to `before`; low bytes first, then high bytes; compressed. */
+  before: string;
+  after?: string;
+  frames: { frame: number; line: JsonObject; states: FoundData[] }[];
 }
 
 export interface Part {
@@ -28,13 +39,17 @@ export interface Part {
   num_faces: number;
 }
 
-export interface StateData {
-  name: "check" | "before" | "after";
-  positions: string;
+/** What was found in a state. */
+export interface FoundData {
   paths?: PathData[];
   points: string;
   lines: string;
   wrong_sides: WrongData[];
+}
+
+export interface StateData extends FoundData {
+  name: "check" | "before" | "after";
+  positions: string;
 }
 
 export interface WrongData {
@@ -91,7 +106,7 @@ export function readPage(): PageData {
   return JSON.parse(document.getElementById("data")?.textContent ?? "{}") as PageData;
 }
 
-function bytes(text: string): Uint8Array {
+export function bytes(text: string): Uint8Array {
   const binary = atob(text);
   const result = new Uint8Array(binary.length);
   for (let i = 0; i < binary.length; i++) result[i] = binary.charCodeAt(i);
@@ -107,14 +122,18 @@ export function whole(text: string): Uint32Array {
 }
 
 export function readState(page: PageData, data: StateData): State {
+  return stateOf(page, data.name, singles(data.positions), data);
+}
+
+export function stateOf(page: PageData, name: StateData["name"], positions: Float32Array, data: FoundData): State {
   const rows = whole(data.lines);
   const lines: Line[] = [];
   for (let i = 0; i + 2 < rows.length; i += 3) {
     lines.push({ path: rows[i]!, first: rows[i + 1]!, count: rows[i + 2]! });
   }
   return {
-    name: data.name,
-    positions: singles(data.positions),
+    name,
+    positions,
     paths: data.paths ?? (page.report["paths"] as unknown as PathData[]) ?? [],
     points: singles(data.points),
     lines,
@@ -122,6 +141,8 @@ export function readState(page: PageData, data: StateData): State {
   };
 }
 
-export function blockedOf(page: PageData): BlockedData[] {
-  return (page.report["blocked"] as unknown as BlockedData[]) ?? [];
+/** What is blocked, of a sequence in a frame. */
+export function blockedOf(page: PageData, frame: number): BlockedData[] {
+  const report = page.sequence?.frames[frame]?.line ?? page.report;
+  return (report["blocked"] as unknown as BlockedData[]) ?? [];
 }

@@ -4,10 +4,12 @@ import { counted, el, metres } from "./dom";
 import { beforeAfterSlider, kindLegend, mapChoice, pageButtons, viewControls } from "./controls";
 import { Lists } from "./list";
 import { type ColourMap, movedMap, stretchMap } from "./maps";
+import { Scrubber, Sequence } from "./sequence";
 import { tables } from "./tables";
 import { View } from "./view";
 
 function verdict(page: PageData, states: State[]): HTMLElement {
+  if (page.sequence) return framesVerdict(page);
   const last = states[states.length - 1]!;
   const left = [
     last.paths.length > 0 ? counted(last.paths.length, "intersection path") : null,
@@ -18,6 +20,14 @@ function verdict(page: PageData, states: State[]): HTMLElement {
   const words = isClean ? "Clean: nothing intersects"
     : left.length > 0 ? `Not clean: ${left.join(", ")}` : "Not clean: see the summary";
   return el("p", { class: isClean ? "verdict clean" : "verdict tangled", role: "status" }, `${isClean ? "✓" : "✗"} ${words}`);
+}
+
+function framesVerdict(page: PageData): HTMLElement {
+  const { frames } = page.sequence!;
+  const clean = frames.filter(({ line }) => line["clean"] === true).length;
+  const isClean = clean === frames.length;
+  return el("p", { class: isClean ? "verdict clean" : "verdict tangled", role: "status" },
+    `${isClean ? "✓" : "✗"} ${clean} of ${counted(frames.length, "frame")} ${clean === 1 ? "is" : "are"} clean`);
 }
 
 /** Whose vertex it is, and what became of it. */
@@ -32,17 +42,23 @@ function vertexWords(page: PageData, maps: ColourMap[], vertex: number): string 
   return `Vertex ${vertex}`;
 }
 
-function picture(page: PageData, states: State[]): HTMLElement {
+/** The colour maps of what was done; of a sequence how far vertices moved in a frame. */
+function mapsOf(page: PageData, sequence: Sequence | null, frame: number): ColourMap[] {
+  if (page.change) return [movedMap(singles(page.change.moved_m)), stretchMap(singles(page.change.stretch))];
+  return sequence && page.states.length > 1 ? [movedMap(sequence.moved(frame))] : [];
+}
+
+function picture(page: PageData, first: State[], sequence: Sequence | null): HTMLElement {
+  let states = first;
+  let maps = mapsOf(page, sequence, 0);
+  let picked: { state: number; path: number | null } = { state: 0, path: null };
+  let shown = 0;
   const status = el("p", { class: "status", role: "status", "aria-live": "polite" },
     "Click a path or a vertex, or choose a path in the list.");
-  const maps = page.change ? [movedMap(singles(page.change.moved_m)), stretchMap(singles(page.change.stretch))] : [];
-  let picked: { state: number; path: number | null } = { state: 0, path: null };
-  let lists: Lists | null = null;
-  let shown = 0;
   const pick = (state: number, path: number | null, isSought: boolean) => {
     picked = { state, path };
     view.pickPath(state, path, isSought);
-    lists?.mark(state, path);
+    lists.mark(state, path);
     const data = path === null ? undefined : states[state]!.paths[path];
     status.textContent = data ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}` : "";
   };
@@ -54,23 +70,33 @@ function picture(page: PageData, states: State[]): HTMLElement {
     shown = mixing > 0.5 ? 1 : 0;
     view.setMixing(mixing);
   }) : null;
-  const show = (state: number) => {
-    if (state !== shown || states.length > 1) slider?.set(state);
-  };
-  lists = new Lists(states, blockedOf(page), {
+  const makeLists = (frame: number) => new Lists(states, blockedOf(page, frame), {
     path: (state, path) => {
-      show(state);
+      slider?.set(state);
       pick(state, path, true);
     },
     vertex: (state, vertex) => {
-      show(state);
+      slider?.set(state);
       pick(state, null, false);
       view.lookAtVertex(state, vertex);
       status.textContent = vertexWords(page, maps, vertex);
     },
   });
+  let lists = makeLists(0);
+  const choice = mapChoice(maps, view);
+  const scrubber = sequence && new Scrubber(sequence, page, (frame, stays) => {
+    states = sequence.states(frame);
+    view.setStates(states);
+    picked = { state: shown, path: null };
+    maps = mapsOf(page, sequence, frame);
+    choice.renew(maps);
+    if (!stays) return;
+    const old = lists.element;
+    lists = makeLists(frame);
+    old.replaceWith(lists.element);
+  });
   const step = (by: number) => {
-    const path = lists!.beside(shown, picked.state === shown ? picked.path : null, by);
+    const path = lists.beside(shown, picked.state === shown ? picked.path : null, by);
     if (path !== null) pick(shown, path, true);
   };
   const { canvas } = view;
@@ -81,25 +107,34 @@ function picture(page: PageData, states: State[]): HTMLElement {
   canvas.addEventListener("keydown", (event) => {
     if (event.key === "n") step(1);
     else if (event.key === "p") step(-1);
+    else if (event.key === ".") scrubber?.step(1);
+    else if (event.key === ",") scrubber?.step(-1);
     else if (event.key === "Escape") pick(shown, null, false);
   });
-  const still = el("img", { class: "still", alt: "The mesh as it was shown last" });
+  const hasPaths = sequence !== null || states.some((state) => state.paths.length > 0);
+  return el("div", { class: "main" },
+    el("div", { class: "picture" }, el("div", { class: "frame" }, canvas), still(view), status,
+      el("div", { class: "noprint controls" }, scrubber?.element, slider?.element, viewControls(view, step, hasPaths)),
+      choice.element, kindLegend(page, states, view), keysHint(sequence !== null)),
+    lists.element);
+}
+
+/** The picture that is printed. */
+function still(view: View): HTMLElement {
+  const image = el("img", { class: "still", alt: "The mesh as it was shown last" });
   const keep = () => {
     view.render();
-    still.src = canvas.toDataURL("image/png");
+    image.src = view.canvas.toDataURL("image/png");
   };
   window.addEventListener("beforeprint", keep);
-  requestAnimationFrame(() => setTimeout(keep, 0));
-  const keys = el("p", { id: "keys", class: "noprint hint" },
+  return image;
+}
+
+function keysHint(hasFrames: boolean): HTMLElement {
+  return el("p", { id: "keys", class: "noprint hint" },
     "With the picture focused: arrow keys turn it, with Shift they move it, + and − bring it nearer and farther, Home shows all of it, " +
-    "N and P go to the next and the previous path. A pointer turns it, with Shift or the right button moves it; the wheel zooms " +
-    "once the picture has the focus.");
-  const hasPaths = states.some((state) => state.paths.length > 0);
-  return el("div", { class: "main" },
-    el("div", { class: "picture" }, el("div", { class: "frame" }, canvas), still, status,
-      el("div", { class: "noprint controls" }, slider?.element, viewControls(view, step, hasPaths)),
-      mapChoice(maps, view), kindLegend(states, view), keys),
-    lists.element);
+    `N and P go to the next and the previous path${hasFrames ? ", comma and full stop to the frame before and after" : ""}. ` +
+    "A pointer turns it, with Shift or the right button moves it; the wheel zooms once the picture has the focus.");
 }
 
 function withoutPicture(error: unknown): HTMLElement {
@@ -107,8 +142,9 @@ function withoutPicture(error: unknown): HTMLElement {
   return el("p", { class: "verdict tangled" }, `This browser shows no picture (${words}); all numbers are below.`);
 }
 
-function main() {
+async function main() {
   const page = readPage();
+  const sequence = page.sequence ? await Sequence.read(page) : null;
   const states = page.states.map((data) => readState(page, data));
   const root = document.getElementById("page")!;
   const files = page.mesh.parts.map((part) => part.file).join(", ");
@@ -117,9 +153,9 @@ function main() {
   const main = el("main");
   root.append(main);
   try {
-    main.append(picture(page, states));
+    main.append(picture(page, states, sequence));
   } catch (error) {
-    main.append(withoutPicture(error), new Lists(states, blockedOf(page), { path: () => {}, vertex: () => {} }).element);
+    main.append(withoutPicture(error), new Lists(states, blockedOf(page, 0), { path: () => {}, vertex: () => {} }).element);
   }
   main.append(el("h2", {}, "Summary"), el("pre", { class: "scroll", tabindex: 0 }, page.summary),
     el("h2", {}, "Numbers"), el("div", { class: "tables" }, ...tables(page)));
@@ -127,4 +163,4 @@ function main() {
   document.documentElement.dataset["ready"] = "yes";
 }
 
-main();
+void main();

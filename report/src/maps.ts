@@ -1,4 +1,4 @@
-// Colour maps that colour-blind people read, too: from dark blue to yellow (cividis) for amounts, from blue through grey
+// Colour maps that colour-blind people read, too: from pale to dark blue for amounts, from blue through grey
 // to orange for what is shorter and longer. Lines at each fifth stand beside the colours.
 import { DataTexture, LinearFilter, RGBAFormat } from "three";
 
@@ -6,9 +6,9 @@ import { digits, metres } from "./dom";
 
 type Stops = [number, number, number][];
 
-const CIVIDIS: Stops = [
-  [0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116],
-  [195, 179, 105], [225, 204, 85], [254, 232, 56],
+const LITTLE_MUCH: Stops = [
+  [250, 246, 226], [233, 235, 180], [178, 218, 184], [112, 192, 190], [58, 150, 186], [38, 103, 166], [36, 58, 130],
+  [16, 24, 78],
 ];
 const SHORT_LONG: Stops = [
   [5, 60, 130], [60, 115, 180], [130, 170, 210], [195, 212, 226], [232, 232, 228], [240, 208, 170], [228, 160, 95],
@@ -39,10 +39,10 @@ export function movedMap(moved: Float32Array): ColourMap {
   const most = moved.reduce((a, b) => Math.max(a, b), 0);
   return {
     name: "moved",
-    title: "Distance moved",
-    values: moved.map((value) => (most > 0 ? value / most : 0)),
-    stops: CIVIDIS,
-    ticks: [0, 0.25, 0.5, 0.75, 1].map((t) => metres(t * most, most)),
+    title: "Distance moved, on a scale of square roots so that small distances show",
+    values: moved.map((value) => (most > 0 ? Math.sqrt(value / most) : 0)),
+    stops: LITTLE_MUCH,
+    ticks: [0, 0.25, 0.5, 0.75, 1].map((t) => metres(t * t * most)),
     words: (vertex) => `moved ${metres(moved[vertex]!)}`,
   };
 }
@@ -63,7 +63,7 @@ export function stretchMap(stretch: Float32Array): ColourMap {
 
 export function textureOf(map: ColourMap | null): DataTexture {
   const data = new Uint8Array(256 * 4);
-  for (let i = 0; i < 256; i++) data.set([...at(map?.stops ?? CIVIDIS, i / 255), 255], 4 * i);
+  for (let i = 0; i < 256; i++) data.set([...at(map?.stops ?? LITTLE_MUCH, i / 255), 255], 4 * i);
   const texture = new DataTexture(data, 256, 1, RGBAFormat);
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;

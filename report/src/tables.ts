@@ -6,7 +6,7 @@ import { label, valueWords } from "./words";
 /** Shown elsewhere on the page. */
 const ELSEWHERE = new Set(["schema", "files", "paths", "face_pairs", "blocked"]);
 /** Rows that are shown; the JSON has all. */
-const MOST_ROWS = 200;
+const MOST_ROWS = 1000;
 
 export function tables(page: PageData): HTMLElement[] {
   const { report } = page;
@@ -18,6 +18,7 @@ export function tables(page: PageData): HTMLElement[] {
     if (ELSEWHERE.has(name) || name === "before" || name === "after") continue;
     sections.push(section(name, value));
   }
+  if (page.sequence) sections.push(list("Frames", page.sequence.frames.map(({ line }) => frameRow(line))));
   sections.push(settings(page));
   return sections.filter((section) => section !== null);
 }
@@ -83,6 +84,17 @@ function list(title: string, items: JsonObject[]): HTMLElement {
   });
   const more = items.length > shown.length && el("p", {}, `The first ${MOST_ROWS} of ${items.length}; the JSON has all.`);
   return framed(title, el("table", {}, headOf(names.map(label)), el("tbody", {}, ...rows)), more || null);
+}
+
+/** The numbers of a frame that are looked for first. */
+function frameRow(line: JsonObject): JsonObject {
+  const pairs = (value: Json | undefined) => (isObject(value) ? (value["num_face_pairs"] ?? null) : null);
+  const row: JsonObject = { frame: line["frame"] ?? null, clean: line["clean"] ?? null, "face pairs before": pairs(line["before"]) };
+  if (isObject(line["after"])) row["face pairs after"] = pairs(line["after"]);
+  for (const [name, value] of Object.entries(line)) {
+    if (isPlain(value) && !Array.isArray(value) && !(name in row) && name !== "schema") row[name] = value;
+  }
+  return row;
 }
 
 function settings(page: PageData): HTMLElement {

@@ -23,12 +23,13 @@ export class View {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly cloth: Cloth;
-  private readonly contours: Contours[];
-  private readonly dots: Points[][];
+  private contours: Contours[] = [];
+  private dots: Points[][] = [];
+  private readonly hidden = new Set<string>();
   private mixing = 0;
   private isAsked = false;
 
-  constructor(page: PageData, private readonly states: State[], onPick: (picked: Picked) => void) {
+  constructor(private readonly page: PageData, private states: State[], onPick: (picked: Picked) => void) {
     // Colours are those of the legend, to the bit.
     ColorManagement.enabled = false;
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -38,14 +39,37 @@ export class View {
     this.orbit = new OrbitCamera(() => this.draw());
     this.cloth = new Cloth(page.mesh.parts, whole(page.mesh.triangles), states);
     this.scene.add(this.cloth.mesh);
-    this.contours = states.map((state) => new Contours(state));
-    this.contours.forEach((contours) => this.scene.add(contours.group));
-    this.dots = states.map((state) => this.dotsOf(state, page.mesh.pinned));
-    const { centre, radius, size } = boxOf(states);
+    this.showFound();
+    const { centre, size } = boxOf(states);
     this.up = likelyUp(size);
-    this.orbit.frame(centre, radius, this.up);
+    this.orbit.frame(centre, size.multiplyScalar(0.5), this.up);
     steer(this.canvas, this.orbit, (x, y) => onPick(this.find(x, y)));
     new ResizeObserver(() => this.resize()).observe(this.canvas);
+  }
+
+  /** Other states of the same mesh. */
+  setStates(states: State[]) {
+    this.states = states;
+    this.cloth.setStates(states);
+    for (const contours of this.contours) {
+      this.scene.remove(contours.group);
+      contours.dispose();
+    }
+    for (const points of this.dots.flat()) {
+      this.scene.remove(points);
+      points.geometry.dispose();
+    }
+    this.showFound();
+    this.draw();
+  }
+
+  private showFound() {
+    this.contours = this.states.map((state) => new Contours(state));
+    for (const contours of this.contours) {
+      this.scene.add(contours.group);
+      for (const name of this.hidden) contours.setKind(name, false);
+    }
+    this.dots = this.states.map((state) => this.dotsOf(state, this.page.mesh.pinned));
   }
 
   /** Vertices on the wrong side, and pinned ones. */
@@ -84,6 +108,8 @@ export class View {
   }
 
   setKind(name: string, isShown: boolean) {
+    if (isShown) this.hidden.delete(name);
+    else this.hidden.add(name);
     this.contours.forEach((contours) => contours.setKind(name, isShown));
     this.draw();
   }
@@ -175,7 +201,7 @@ function placeOf(state: State, vertex: number): Vector3 {
   return new Vector3().fromArray(state.positions, 3 * vertex);
 }
 
-function boxOf(states: State[]): { centre: Vector3; radius: number; size: Vector3 } {
+function boxOf(states: State[]): { centre: Vector3; size: Vector3 } {
   const [low, high] = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
   const place = new Vector3();
   for (const { positions } of states) {
@@ -186,5 +212,5 @@ function boxOf(states: State[]): { centre: Vector3; radius: number; size: Vector
     }
   }
   const size = high.clone().sub(low);
-  return { centre: low.clone().add(high).multiplyScalar(0.5), radius: size.length() / 2, size };
+  return { centre: low.clone().add(high).multiplyScalar(0.5), size };
 }

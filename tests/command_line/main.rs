@@ -8,6 +8,7 @@ mod fix;
 mod fix_files;
 mod fix_inputs;
 mod gap;
+mod html;
 mod manual;
 mod mesh_folder;
 mod publish;

@@ -86,16 +86,9 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
     let repair = Repair { files: &files, roles: &roles, store, pins: &pins, settings, deadline };
-    let repaired = if before.is_certified() {
-        Repaired::unchanged(repair.write(&input, &input.positions, interrupt)?)
-    } else {
-        check_movable(&jobs, &input)?;
-        progress.say("untangling");
-        repair.run(&input, &before, solver, interrupt, &mut progress)?
-    };
     let owners = Owners::new(files.iter().chain(&roles.bodies));
     let clearing = Clearing { repair: &repair, asked: args.gap.asked(), input: &input, owners: &owners };
-    let (repaired, gap) = clearing.run(repaired, interrupt, &mut progress)?;
+    let (repaired, gap) = untangle(&clearing, &jobs, &before, solver, interrupt, &mut progress)?;
     let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
     Blocked::name_owners(&mut blocked, &owners);
     let Written { staged, input: read_back, counts: after, analysis: left } = written;
@@ -125,6 +118,26 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     });
     persist(&report, staged.into_iter().chain(page.transpose()?), report_target, interrupt)?;
     Ok(report)
+}
+
+/// Untangles and opens the gap, or writes a clean input as it is.
+fn untangle(
+    clearing: &Clearing<'_>,
+    jobs: &[Job<'_>],
+    before: &Counts,
+    solver: Solver<'_>,
+    interrupt: &Interrupt,
+    progress: &mut Progress,
+) -> Result<(Repaired, Option<GapReport>), FixError> {
+    let Clearing { repair, input, .. } = clearing;
+    let repaired = if before.is_certified() {
+        Repaired::unchanged(repair.write(input, &input.positions, interrupt)?)
+    } else {
+        check_movable(jobs, input)?;
+        progress.say("untangling");
+        repair.run(input, before, solver, interrupt, progress)?
+    };
+    clearing.run(repaired, interrupt, progress)
 }
 
 /// A state, and what was found in it.

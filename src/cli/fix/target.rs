@@ -44,7 +44,7 @@ impl Target {
     }
 
     /// Whether two targets are the same file.
-    pub(super) fn is_same_place(&self, other: &Self) -> bool {
+    pub(in crate::cli) fn is_same_place(&self, other: &Self) -> bool {
         // Names that differ in case only are the same file on some systems; refusing them on the others costs little.
         let name = |target: &Self| target.place.to_string_lossy().to_lowercase();
         name(self) == name(other)

@@ -41,6 +41,7 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         out: folder.path().join(out),
         json: false,
         report: None,
+        html: None,
         max_iterations: 10,
         max_face_pairs: 10,
         time_limit: None,

@@ -8,6 +8,7 @@
 //! | `numbers` | arrays as base64 |
 //! | `lines` | intersection paths as lines |
 //! | `state` | a state: positions, paths, vertices on the wrong side |
+//! | `sequence` | the frames of a shot |
 //! | `change` | how far each vertex moved, and how its edges were stretched |
 //! | `settings` | the arguments, one by one |
 //! | `page` | the document, and the text of the file |
@@ -18,11 +19,13 @@ mod lines;
 mod numbers;
 mod page;
 mod place;
+mod sequence;
 mod settings;
 mod state;
 
 pub(super) use change::ChangeData;
 pub(super) use page::{MeshData, PageData};
 pub(super) use place::page_target;
-pub(super) use settings::{settings_of_check, settings_of_fix};
+pub(super) use sequence::{FrameRecorder, MOST_COORDINATES};
+pub(super) use settings::{Setting, settings_of_check, settings_of_fix};
 pub(super) use state::StateData;

@@ -7,8 +7,9 @@ use untangled_mesh_io::{MeshFile, Printable};
 use super::{
     change::ChangeData,
     numbers::{index, whole},
+    sequence::SequenceData,
     settings::Setting,
-    state::StateData,
+    state::{StateData, centre_of},
 };
 use crate::cli::{input::Input, roles::Roles};
 
@@ -35,6 +36,9 @@ pub(in crate::cli) struct PageData<R> {
     /// What a repair did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(in crate::cli) change: Option<ChangeData>,
+    /// The frames of a shot; the states are those of the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::cli) sequence: Option<SequenceData>,
 }
 
 /// What does not change between states.
@@ -71,6 +75,7 @@ impl<R: Serialize> PageData<R> {
             mesh,
             states: Vec::new(),
             change: None,
+            sequence: None,
         }
     }
 
@@ -98,6 +103,11 @@ impl<R: Serialize> PageData<R> {
 impl MeshData {
     /// The world of `files` and bodies; the centre is that of the box round the positions of `input`.
     pub(in crate::cli) fn new(files: &[MeshFile], roles: &Roles, input: &Input, pinned: &[u32]) -> Self {
+        Self::with_centre(files, roles, centre_of(&input.positions), pinned)
+    }
+
+    /// The same with a centre that is known.
+    pub(in crate::cli) fn with_centre(files: &[MeshFile], roles: &Roles, centre: [f64; 3], pinned: &[u32]) -> Self {
         let role = if roles.has_layers() { "layer" } else { "cloth" };
         let cloth = files.iter().map(|file| (file, role));
         let all: Vec<_> = cloth.chain(roles.bodies.iter().map(|file| (file, "body"))).collect();
@@ -115,21 +125,12 @@ impl MeshData {
         };
         Self {
             parts: all.iter().map(part).collect(),
-            num_vertices: input.positions.len(),
+            num_vertices: first as usize,
             triangles: whole(triangles),
-            centre: centre(&input.positions),
+            centre,
             pinned: pinned.to_vec(),
         }
     }
-}
-
-/// The centre of the box round positions.
-fn centre(positions: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let values = positions.iter().map(|position| position[axis]);
-        let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-        if ends[0] <= ends[1] { f64::midpoint(ends[0], ends[1]) } else { 0.0 }
-    })
 }
 
 /// Text as it stands between tags.

@@ -14,13 +14,20 @@ use super::{
 };
 use crate::cli::{check::report::PairReport, input::Input};
 
-/// Positions, intersection paths, and vertices on the wrong side.
+/// Positions, and what was found at them.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::cli) struct StateData {
     /// `check`, `before` or `after`.
     name: &'static str,
     /// `num_vertices x 3`, singles, relative to the centre of the page, in metres.
     positions: String,
+    #[serde(flatten)]
+    found: FoundData,
+}
+
+/// Intersection paths, and vertices on the wrong side.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct FoundData {
     /// The pairs, where the report does not list them.
     #[serde(skip_serializing_if = "Option::is_none")]
     paths: Option<Vec<PairReport>>,
@@ -58,9 +65,14 @@ impl StateData {
         centre: [f64; 3],
         lists_paths: bool,
     ) -> Self {
+        let positions = singles(relative(&input.positions, centre));
+        Self { name, positions, found: FoundData::new(input, analysis, centre, lists_paths) }
+    }
+}
+
+impl FoundData {
+    pub(super) fn new(input: &Input, analysis: &Analysis, centre: [f64; 3], lists_paths: bool) -> Self {
         Self {
-            name,
-            positions: singles(relative(&input.positions, centre)),
             paths: lists_paths.then(|| PairReport::of_all(&input.weld, analysis)),
             lines: LineData::new(&analysis.paths, centre),
             wrong_sides: WrongData::of(input),
@@ -93,4 +105,13 @@ impl WrongData {
 
 fn copies(weld: &Weld, side: &WrongSide) -> Vec<(u32, f64)> {
     weld.copies(side.vertex).iter().map(|&vertex| (vertex, side.way.depth_m)).collect()
+}
+
+/// The centre of the box round positions.
+pub(super) fn centre_of(positions: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let values = positions.iter().map(|position| position[axis]);
+        let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        if ends[0] <= ends[1] { f64::midpoint(ends[0], ends[1]) } else { 0.0 }
+    })
 }

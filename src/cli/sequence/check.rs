@@ -2,17 +2,21 @@
 
 use serde::Serialize;
 
+use untangle::analysis::Analysis;
+
 use super::{
     SCHEMA,
     error::SequenceError,
+    page::ShotPage,
     pipeline::Pipeline,
     progress::FrameProgress,
-    shot::{Asks, Judgement, Shot},
+    shot::{Asks, Judgement, Shot, State},
 };
 use crate::cli::{
     check::CheckArgs,
-    fix::Counts,
+    fix::{Counts, FixError, Interrupt},
     gap::GapReport,
+    html::settings_of_check,
     outcome::{self, Outcome},
     wording::{Counted, json_line},
 };
@@ -117,25 +121,59 @@ pub fn check(args: &CheckArgs) -> Result<Outcome, SequenceError> {
     let mut totals =
         Totals { cache, first_frame, last_frame, num_frames: 0, num_clean_frames: 0, num_face_pairs: 0, clean: true };
     let print = |text: &str| outcome::print(text).map(|_| ()).map_err(SequenceError::Print);
+    let head = format!("{}, frames {first_frame} to {last_frame}\n", totals.cache);
+    let mut page = page(args, &shot)?;
+    if let Some(page) = &mut page {
+        page.say(&head);
+    }
     if !args.json {
-        print(&outcome::printable(&format!("{}, frames {first_frame} to {last_frame}\n", totals.cache)))?;
+        print(&outcome::printable(&head))?;
     }
     let mut progress = FrameProgress::new(last_frame - first_frame + 1);
     let pipeline = Pipeline { frames: shot.cache.frames(), part, num_stages: 1, window: 0 };
-    let judge = |_: usize, frame: u64, _: &_| {
-        let (own, roles) = shot.read(frame)?;
-        shot.judge(frame, &shot.state(frame, &roles, own.positions())?)
-    };
-    pipeline.run(&judge, &mut |frame, judgement: &Judgement| {
+    let is_kept = page.is_some();
+    let judge = |_: usize, frame: u64, _: &_| judge(&shot, frame, is_kept);
+    pipeline.run(&judge, &mut |frame, (judgement, found): &Found| {
         let line = FrameLine::new(frame, shot.cache.time_code(frame), judgement);
         totals.add(&line);
         progress.done(frame);
+        if let (Some(page), Some((state, analysis))) = (&mut page, found) {
+            let value = serde_json::to_value(&line).unwrap_or_default();
+            page.push(frame, value, &line.words(), &[(state, analysis)]);
+        }
         print(&if args.json { json_line(&line) } else { line.words() })
     })?;
     drop(progress);
-    let clean = totals.clean;
-    print(&if args.json { json_line(&TotalsLine { schema: SCHEMA, totals }) } else { totals.words() })?;
+    let (clean, words) = (totals.clean, totals.words());
+    let totals = TotalsLine { schema: SCHEMA, totals };
+    if let Some(mut page) = page {
+        page.say(&words);
+        let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
+        page.write(&shot, ("check", settings_of_check(args)), &totals, &interrupt)?;
+    }
+    print(&if args.json { json_line(&totals) } else { words })?;
     Ok(if clean { Outcome::Clean } else { Outcome::Remaining })
+}
+
+/// A judgement, and what was found, where it is kept.
+type Found = (Judgement, Option<(State, Analysis)>);
+
+/// Judges a frame.
+fn judge(shot: &Shot, frame: u64, is_kept: bool) -> Result<Found, SequenceError> {
+    let (own, roles) = shot.read(frame)?;
+    let state = shot.state(frame, &roles, own.positions())?;
+    let analysis = shot.analyse(frame, &state)?;
+    let judgement = shot.judge_found(frame, &state, &analysis)?;
+    // What was found is only kept for a page.
+    Ok((judgement, is_kept.then_some((state, analysis))))
+}
+
+/// The page, if one was asked for.
+fn page(args: &CheckArgs, shot: &Shot) -> Result<Option<ShotPage>, SequenceError> {
+    let files = shot.cache_files();
+    let inputs: Vec<_> = shot.source_files().into_iter().chain(files.iter().map(AsRef::as_ref)).collect();
+    let page = args.html.as_deref().map(|path| ShotPage::new(shot, &["check"], path, &inputs, args.overwrite));
+    page.transpose()
 }
 
 /// Refuses arguments that mean nothing for a sequence.
@@ -143,7 +181,7 @@ fn refuse(args: &CheckArgs) -> Result<(), SequenceError> {
     let refused = [
         (args.face_pairs, "--face-pairs", "check one frame as a mesh file for its pairs"),
         (args.contours.is_some(), "--contours", "check one frame as a mesh file for its paths"),
-        (args.overwrite, "--overwrite", "check writes no file of a sequence"),
+        (args.overwrite && args.html.is_none(), "--overwrite", "check writes no file of a sequence but --html"),
         (args.verbose, "--verbose", "frames are checked side by side, so their stages have no times of their own"),
     ];
     match refused.into_iter().find(|(is_given, ..)| *is_given) {

@@ -8,6 +8,7 @@
 //! | `pipeline` | work on frames, on all processors, in stages, taken in order |
 //! | `progress` | the line with the time left |
 //! | `shot` | cloth and bodies at one instant, as `check` and `fix` see files |
+//! | `page` | `--html`: a page with all frames |
 //! | `check` | `check --cache` |
 //! | `fix` | `fix --cache`: passes over the frames, output, journal |
 
@@ -15,6 +16,7 @@ pub mod args;
 mod check;
 mod error;
 mod fix;
+mod page;
 mod pipeline;
 mod progress;
 mod shot;

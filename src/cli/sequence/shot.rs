@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use untangle::analysis::Analysis;
 use untangled_mesh_io::{CacheFrame, MeshFile, VertexCache, WriteError};
 
 use super::{args::CacheArgs, error::SequenceError};
@@ -116,9 +117,9 @@ impl Shot {
         files.flat_map(MeshFile::source_files).collect()
     }
 
-    /// All caches that are read.
-    pub(super) fn caches(&self) -> impl Iterator<Item = &VertexCache> {
-        std::iter::once(&self.cache).chain(&self.body_caches)
+    /// All files of the caches that are read.
+    pub(super) fn cache_files(&self) -> Vec<PathBuf> {
+        std::iter::once(&self.cache).chain(&self.body_caches).flat_map(VertexCache::files).collect()
     }
 
     /// Reads a frame, and the bodies at its instant.
@@ -157,12 +158,27 @@ impl Shot {
         SequenceError::FrameInput { path: self.cache.file(frame), frame, source: Box::new(source) }
     }
 
-    /// Analyses and judges a state.
-    pub(super) fn judge(&self, frame: u64, State { files, roles, input }: &State) -> Result<Judgement, SequenceError> {
+    /// Analyses a state.
+    pub(super) fn analyse(&self, frame: u64, State { input, .. }: &State) -> Result<Analysis, SequenceError> {
         let path = self.cache.file(frame);
-        let analysis = analyse_within(std::slice::from_ref(&path), input, self.max_face_pairs, &mut ())
-            .map_err(|source| self.bad_input(frame, source))?;
-        let counts = Counts::new(&analysis, roles, input, Certificate::of(files, roles, input));
+        analyse_within(std::slice::from_ref(&path), input, self.max_face_pairs, &mut ())
+            .map_err(|source| self.bad_input(frame, source))
+    }
+
+    /// Analyses and judges a state.
+    pub(super) fn judge(&self, frame: u64, state: &State) -> Result<Judgement, SequenceError> {
+        self.judge_found(frame, state, &self.analyse(frame, state)?)
+    }
+
+    /// Judges a state that was analysed.
+    pub(super) fn judge_found(
+        &self,
+        frame: u64,
+        State { files, roles, input }: &State,
+        analysis: &Analysis,
+    ) -> Result<Judgement, SequenceError> {
+        let path = self.cache.file(frame);
+        let counts = Counts::new(analysis, roles, input, Certificate::of(files, roles, input));
         let owners = Owners::new(files.iter().chain(&roles.bodies));
         let gap = self.gap.as_ref().map(|asked| GapReport::of(asked, input, &owners)).transpose();
         let mut gap = gap.map_err(|source| SequenceError::FrameGap { path, frame, source })?;

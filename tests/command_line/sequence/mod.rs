@@ -32,7 +32,7 @@ fn frames() -> Vec<Sheet> {
 }
 
 /// A folder with `cloth.obj`, and the shot as `in.pc2`, `in.mdd` and `in/cloth.001.obj` and so on.
-fn folder() -> tempfile::TempDir {
+pub(crate) fn folder() -> tempfile::TempDir {
     let (folder, frames) = (tempfile::tempdir().unwrap(), frames());
     let write = |name: &str, bytes: Vec<u8>| fs::write(folder.path().join(name), bytes).unwrap();
     fs::create_dir(folder.path().join("in")).unwrap();
@@ -51,7 +51,7 @@ fn command(arguments: &[&str], folder: &Path) -> Command {
     command
 }
 
-fn run(arguments: &[&str], folder: &Path) -> Output {
+pub(crate) fn run(arguments: &[&str], folder: &Path) -> Output {
     command(arguments, folder).output().unwrap()
 }
 

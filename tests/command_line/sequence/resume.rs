@@ -117,3 +117,17 @@ fn fix_of_numbered_meshes_leaves_whole_files_only_and_goes_on() {
     assert!((1..=24).all(|number| out(number) == Some(whole(number))));
     assert_eq!(fs::read_dir(path.join("out")).unwrap().count(), 24);
 }
+
+#[test]
+fn page_of_a_run_that_is_gone_on_with_is_that_of_one_run() {
+    let folder = folder();
+    let path = folder.path();
+    assert!(end_after(&FIX, path, "out.pc2.journal", 6, "-KILL"));
+    let page = |out: &str| {
+        let page = format!("{out}.html");
+        assert_eq!(code(&run(&[&FIX[..4], &["-o", out, "--html", &page]].concat(), path)), 0);
+        fs::read_to_string(path.join(page)).unwrap().replace("whole.pc2", "out.pc2")
+    };
+    let [resumed, whole] = ["out.pc2", "whole.pc2"].map(page);
+    assert!(resumed == whole);
+}

@@ -2,10 +2,7 @@
 
 use std::{fs, path::Path, time::UNIX_EPOCH};
 
-use super::{
-    journal::{Identity, checksum},
-    output::files_of,
-};
+use super::journal::{Identity, checksum};
 use crate::cli::{
     fix::FixArgs,
     sequence::{error::SequenceError, shot::Shot},
@@ -29,7 +26,7 @@ pub(super) fn identity(args: &FixArgs, shot: &Shot) -> Result<Identity, Sequence
     add("FILE or --body", files(&shot.source_files().into_iter().filter(|path| !is_stage(path)).collect::<Vec<_>>())?);
     add("--prim", format!("{:?}", args.sequence.prim));
     add("--pin", files(&args.pin.iter().map(AsRef::as_ref).collect::<Vec<_>>())?);
-    let stamps: Vec<String> = files_of(shot.caches()).iter().map(|path| stamp(path)).collect();
+    let stamps: Vec<String> = shot.cache_files().iter().map(|path| stamp(path)).collect();
     add("--cache or --body-cache", checksum(stamps.join("\n").as_bytes()));
     add("--frames", format!("{:?}", shot.part));
     add("--layers", format!("{:?}", args.roles.layers));

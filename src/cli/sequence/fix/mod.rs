@@ -25,17 +25,19 @@ use untangle::coherence::RoughnessMeter;
 use super::{
     SCHEMA,
     error::SequenceError,
+    page::ShotPage,
     pipeline::Pipeline,
     progress::FrameProgress,
     shot::{Asks, Shot},
 };
 use crate::cli::{
     fix::{FixArgs, FixError, Interrupt, Target, pins},
+    html::settings_of_fix,
     outcome::{self, Outcome},
     wording::json_line,
 };
 use journal::{Earlier, Entry, Identity, Journal};
-use output::{Output, files_of};
+use output::Output;
 use passes::{FADE, NUM_SPREADS, Pass};
 use report::{FrameLine, Totals, TotalsLine};
 use single::Repairer;
@@ -51,11 +53,17 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
     let interrupt = Interrupt::listen_saying(INTERRUPTED).map_err(FixError::Signals)?;
     let shot = open(args)?;
     let inputs = inputs(args, &shot);
-    let report = args.report.clone().map(|path| {
-        let inputs: Vec<_> = inputs.iter().map(AsRef::as_ref).collect();
-        Target::new(path, &inputs, args.overwrite)
+    let paths: Vec<_> = inputs.iter().map(AsRef::as_ref).collect();
+    let report = args.report.clone().map(|path| Target::new(path, &paths, args.overwrite)).transpose()?;
+    let page = args.html.as_deref().map(|path| {
+        let page = ShotPage::new(&shot, &["before", "after"], path, &paths, args.overwrite)?;
+        if report.as_ref().is_some_and(|report| report.is_same_place(page.target())) {
+            let reason = "is the report, and can't be the page as well".to_owned();
+            return Err(SequenceError::from(FixError::Target { path: path.to_path_buf(), reason }));
+        }
+        Ok(page)
     });
-    let report = report.transpose()?;
+    let page = page.transpose()?;
     let output = Output::new(&shot, &args.out, args.overwrite, &inputs)?;
     let identity = identity::identity(args, &shot)?;
     let (journal, done) = resume(&shot, &output, &identity, &inputs)?;
@@ -66,6 +74,7 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
         interrupt: &interrupt,
     };
     let mut run = Run::new(args, &shot, output, journal);
+    run.page = page;
     run.begin()?;
     let next = shot.part.start() + done.len() as u64;
     for entry in done {
@@ -77,7 +86,7 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
         let work = |number: usize, frame: u64, window: &_| repairer.pass(number, frame, window);
         pipeline.run(&work, &mut |frame, pass: &Pass| run.take(frame, pass))?;
     }
-    run.finish(report, &interrupt)
+    run.finish(args, report, &interrupt)
 }
 
 fn open(args: &FixArgs) -> Result<Shot, SequenceError> {
@@ -99,7 +108,7 @@ fn open(args: &FixArgs) -> Result<Shot, SequenceError> {
 /// All files that are read.
 fn inputs(args: &FixArgs, shot: &Shot) -> Vec<std::path::PathBuf> {
     let own = shot.source_files().into_iter().map(ToOwned::to_owned).chain(args.pin.clone());
-    own.chain(files_of(shot.caches())).collect()
+    own.chain(shot.cache_files()).collect()
 }
 
 /// Opens the journal, and finds what an earlier run has done.
@@ -153,6 +162,7 @@ struct Run<'a> {
     totals: Totals,
     /// All lines, for the report.
     lines: String,
+    page: Option<ShotPage>,
 }
 
 impl<'a> Run<'a> {
@@ -178,12 +188,16 @@ impl<'a> Run<'a> {
             meter: RoughnessMeter::new(FADE, largest * f64::from(f32::EPSILON)),
             totals,
             lines: String::new(),
+            page: None,
         }
     }
 
-    fn begin(&self) -> Result<(), SequenceError> {
+    fn begin(&mut self) -> Result<(), SequenceError> {
         let Totals { cache, output, first_frame, last_frame, .. } = &self.totals;
         let head = format!("{cache} -> {output}, frames {first_frame} to {last_frame}\n");
+        if let Some(page) = &mut self.page {
+            page.say(&head);
+        }
         if self.is_json { Ok(()) } else { print(&outcome::printable(&head)) }
     }
 
@@ -206,7 +220,8 @@ impl<'a> Run<'a> {
         self.journal.add(&entry)?;
         self.output.place(frame)?;
         self.meter.push(pass.correction.clone());
-        self.report(frame, &entry.line)
+        self.report(frame, &entry.line)?;
+        self.show(frame, &entry.line, own.positions(), &positions)
     }
 
     /// Reports a frame that an earlier run wrote.
@@ -215,7 +230,9 @@ impl<'a> Run<'a> {
         let bytes = self.output.read(frame).unwrap_or_default();
         let written = self.shot.cache.decode(frame, bytes)?;
         self.meter.push(repairer.correction_of(frame, written.positions())?);
-        self.report(frame, &entry.line)
+        self.report(frame, &entry.line)?;
+        let own = self.shot.cache.read(frame)?;
+        self.show(frame, &entry.line, own.positions(), written.positions())
     }
 
     fn report(&mut self, frame: u64, line: &str) -> Result<(), SequenceError> {
@@ -228,16 +245,42 @@ impl<'a> Run<'a> {
         if self.is_json { print(line) } else { print(&report::words(&value)) }
     }
 
+    /// Takes a frame into the page, if there is one: what is in both states is searched once more for it.
+    fn show(&mut self, frame: u64, line: &str, before: &[[f64; 3]], after: &[[f64; 3]]) -> Result<(), SequenceError> {
+        let Some(page) = &mut self.page else { return Ok(()) };
+        let (_, roles) = self.shot.read(frame)?;
+        let state = |positions: &[[f64; 3]]| -> Result<_, SequenceError> {
+            let state = self.shot.state(frame, &roles, positions)?;
+            let analysis = self.shot.analyse(frame, &state)?;
+            Ok((state, analysis))
+        };
+        let [before, after] = [state(before)?, state(after)?];
+        let value = serde_json::from_str(line).unwrap_or_default();
+        let words = report::words(&value);
+        page.push(frame, value, &words, &[(&before.0, &before.1), (&after.0, &after.1)]);
+        Ok(())
+    }
+
     /// Puts everything at its place.
-    fn finish(mut self, report: Option<Target>, interrupt: &Interrupt) -> Result<Outcome, SequenceError> {
+    fn finish(
+        mut self,
+        args: &FixArgs,
+        report: Option<Target>,
+        interrupt: &Interrupt,
+    ) -> Result<Outcome, SequenceError> {
         self.totals.finish(self.meter.roughness());
         let (clean, words) = (self.totals.clean, self.totals.words());
-        let totals = json_line(&TotalsLine { schema: SCHEMA, totals: self.totals });
+        let line = TotalsLine { schema: SCHEMA, totals: self.totals };
+        let totals = json_line(&line);
         drop(self.progress);
         if let Some(target) = report {
             let lines = self.lines + &totals;
             let write = |out: &mut dyn Write| out.write_all(lines.as_bytes()).map_err(|source| target.failed(&source));
             target.stage(interrupt, write)?.persist()?;
+        }
+        if let Some(mut page) = self.page {
+            page.say(&words);
+            page.write(self.shot, ("fix", settings_of_fix(args)), &line, interrupt)?;
         }
         self.output.finish(self.shot, interrupt)?;
         self.journal.remove()?;

@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use untangled_mesh_io::{Pattern, VertexCache};
+use untangled_mesh_io::Pattern;
 
 use super::journal::{Entry, beside};
 use crate::cli::{
@@ -258,9 +258,4 @@ fn may_write(
 
 fn failed(path: &Path, source: &io::Error) -> SequenceError {
     SequenceError::Target { path: path.to_path_buf(), reason: format!("can't be written: {source}") }
-}
-
-/// All files of caches.
-pub(super) fn files_of<'c>(caches: impl Iterator<Item = &'c VertexCache>) -> Vec<PathBuf> {
-    caches.flat_map(VertexCache::files).collect()
 }
