@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use untangled_mesh_io::Pattern;
+use untangled_mesh_io::{Pattern, VertexCache};
 
 use super::journal::{Entry, beside};
 use crate::cli::{
