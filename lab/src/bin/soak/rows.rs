@@ -11,7 +11,7 @@ use untangled_testkit::{
 use crate::{plan::Plan, programs::PROGRAMS};
 
 /// Names of all rows, in the order of the table.
-pub(crate) const ROWS: [&str; 15] = [
+pub(crate) const ROWS: [&str; 16] = [
     "client-kills",
     "daemon-kills",
     "all-killed",
