@@ -6,6 +6,10 @@ from conftest import joined, level, standing
 
 def test_check_lists_paths_draws_them_and_marks_vertices(scene):
     below, above = scene.add("below", level()), scene.add("above", standing())
+    for mode, choose in (("EDIT", True), ("OBJECT", False)):
+        scene.bpy.ops.object.mode_set(mode=mode)
+        assert not choose or scene.bpy.ops.mesh.select_all(action="SELECT") == {"FINISHED"}
+    assert above.data.polygons[0].select
     assert scene.ops.check() == {"FINISHED"}
     found = scene.bpy.context.window_manager.untangled
     assert "pairs of faces intersect" in found.summary and found.paths[0].objects == "above, below"
@@ -16,6 +20,7 @@ def test_check_lists_paths_draws_them_and_marks_vertices(scene):
     group = above.vertex_groups["Untangled inside"].index
     grouped = {v.index for v in above.data.vertices if group in [weight.group for weight in v.groups]}
     assert grouped == {v.index for v in above.data.vertices if v.select} and len(grouped) > 10
+    assert not any(element.select for element in [*above.data.edges, *above.data.polygons])
     assert scene.ops.jump(index=0) == {"FINISHED"}
     assert np.allclose(scene.bpy.context.scene.cursor.location, found.paths[0].centre)
 

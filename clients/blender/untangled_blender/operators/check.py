@@ -72,9 +72,12 @@ def mark(obj, wrong):
     chosen = np.zeros(len(obj.data.vertices), bool)
     chosen[wrong] = True
     obj.data.vertices.foreach_set("select", chosen)
-    # An edge or a face that stays selected would select its vertices again.
-    for elements in (obj.data.edges, obj.data.polygons):
-        elements.foreach_set("select", np.zeros(len(elements), bool))
+    # An edge or a face that stays selected would select its vertices again. Without these attributes none is selected;
+    # to set them all crashes Blender 5.0 where there are none.
+    for name in (".select_edge", ".select_poly"):
+        attribute = obj.data.attributes.get(name)
+        if attribute is not None:
+            obj.data.attributes.remove(attribute)
 
 
 class JumpOperator(bpy.types.Operator):
