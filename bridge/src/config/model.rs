@@ -76,7 +76,11 @@ pub struct Telemetry {
 
 impl Default for Telemetry {
     fn default() -> Self {
-        Self { filter: "info,zenoh=warn".to_owned(), format: LogFormat::Text, metrics: String::new() }
+        Self {
+            filter: "info,zenoh=warn,zenoh::net::routing=error".to_owned(),
+            format: LogFormat::Text,
+            metrics: String::new(),
+        }
     }
 }
 

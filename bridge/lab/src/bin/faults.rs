@@ -257,11 +257,11 @@ fn main() {
         }
         let needs_packets = first.starts_with("loss");
         let world = match World::new(first != "delay") {
-            Ok(world) => Ok((world, "packets")),
             Err(reason) if needs_packets => Err(reason),
-            Err(_) => World::new(false).map(|world| (world, "bytes of a proxy")),
+            Err(_) => World::new(false),
+            world => world,
         };
-        let (mut world, way) = match world {
+        let mut world = match world {
             Ok(world) => world,
             Err(reason) => {
                 println!("| {name} | skipped: {reason} |");
@@ -280,6 +280,10 @@ fn main() {
         for _ in 0..times {
             break_once(&mut world, &mut session, &mut counts);
         }
+        let way = match &world.way {
+            Way::Packets(_) => "packets",
+            Way::Bytes(_) => "bytes of a proxy",
+        };
         let [half, most, longest] = [0.5, 0.99, 1.0].map(|part| counts.back.quantile_ms(part));
         let Counts { compared, wrong, lost, late_calls, .. } = counts;
         println!(
