@@ -114,7 +114,7 @@ async function slider() {
     : data.report.distortion.num_moved_vertices > 0;
   assert.ok(!isMoved || !before.equals(after), "the picture changes where the mesh did");
   await tab.keyboard.press("PageDown");
-  assert.match(await tab.locator(".slider output").textContent(), /% of the way/);
+  assert.match(await tab.locator('output[for="slider"]').textContent(), /% of the way/);
   await tab.keyboard.press("End");
   for (const map of data.sequence ? ["moved"] : ["moved", "stretch"]) {
     await tab.locator("#map").selectOption(map);

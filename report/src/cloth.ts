@@ -75,7 +75,7 @@ export class Cloth {
     this.materials = [material(1), material(0.45)];
     const cloth = parts.filter((part) => part.role !== "body").reduce((sum, part) => sum + part.num_faces, 0);
     geometry.addGroup(0, 3 * cloth, 0);
-    geometry.addGroup(3 * cloth, triangles.length - 3 * cloth, 1);
+    if (3 * cloth < triangles.length) geometry.addGroup(3 * cloth, triangles.length - 3 * cloth, 1);
     this.mesh = new Mesh(geometry, this.materials);
     this.mesh.frustumCulled = false;
     this.setSeeThrough(false);

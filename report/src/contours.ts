@@ -1,13 +1,9 @@
 // Intersection paths in the picture: lines by type, faint where cloth hides them, and a marker on each path.
-import {
-  BufferAttribute, BufferGeometry, CanvasTexture, Group, type Material, Points, PointsMaterial, Vector3,
-} from "three";
-import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
-import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
-import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { BufferAttribute, BufferGeometry, CanvasTexture, Group, Points, PointsMaterial, Vector3 } from "three";
 
 import type { State } from "./data";
 import { DASHES, type Kind, KINDS, drawMarker } from "./kinds";
+import { type LineStyle, Lines } from "./lines";
 
 const WIDTH = 3.2;
 /** Most markers: more would be a carpet. The longest paths have them. */
@@ -47,20 +43,6 @@ export function placesOf(state: State): { place: Vector3; radius: number }[] {
   return places;
 }
 
-function lineMaterial(kind: Kind, isHidden: boolean): LineMaterial {
-  const dash = DASHES[kind.dash];
-  const material = new LineMaterial({ linewidth: WIDTH, transparent: true });
-  material.color.set(kind.colour);
-  if (dash) {
-    material.dashed = true;
-    [material.dashSize, material.gapSize] = dash;
-  }
-  material.depthTest = !isHidden;
-  material.depthWrite = false;
-  material.userData = { opacity: isHidden ? 0.3 : 1 };
-  return material;
-}
-
 const TEXTURES = new Map<string, CanvasTexture>();
 
 function markerTexture(kind: Kind): CanvasTexture {
@@ -74,14 +56,24 @@ function markerTexture(kind: Kind): CanvasTexture {
   return texture;
 }
 
+/** How the picture is seen: its size in pixels, device pixels to one of them, pixels to a metre, and where sight begins. */
+export interface Sight {
+  width: number;
+  height: number;
+  ratio: number;
+  pixelsPerMetre: number;
+  near: number;
+}
+
 /** The paths of one state. */
 export class Contours {
   readonly group = new Group();
   readonly places: { place: Vector3; radius: number }[];
   private readonly byKind = new Map<string, Group>();
-  private readonly lines: LineMaterial[] = [];
+  private lines: Lines[] = [];
   private readonly points: PointsMaterial[] = [];
   private readonly picked = new Group();
+  private pickedLines: Lines[] = [];
 
   constructor(private readonly state: State) {
     this.places = placesOf(state);
@@ -93,7 +85,11 @@ export class Contours {
       const corners = segments(state, isOwn);
       if (corners.length === 0) continue;
       const group = new Group();
-      for (const isHidden of [true, false]) group.add(this.line(corners, lineMaterial(kind, isHidden), isHidden ? 1 : 2));
+      const style = { colour: kind.colour, width: WIDTH, dash: DASHES[kind.dash] };
+      const hidden = this.line(corners, { ...style, isOnTop: true, opacity: 0.3 }, 1);
+      const open = this.line(corners, { ...style, isOnTop: false, opacity: 1 }, 2);
+      this.lines.push(hidden, open);
+      group.add(hidden.mesh, open.mesh);
       group.add(this.markers(kind, marked.filter(isOwn)));
       this.byKind.set(kind.name, group);
       this.group.add(group);
@@ -101,15 +97,10 @@ export class Contours {
     this.group.add(this.picked);
   }
 
-  private line(corners: Float32Array, material: LineMaterial, order: number): LineSegments2 {
-    const geometry = new LineSegmentsGeometry();
-    geometry.setPositions(corners);
-    const line = new LineSegments2(geometry, material);
-    if (material.dashed) line.computeLineDistances();
-    line.frustumCulled = false;
-    line.renderOrder = order;
-    this.lines.push(material);
-    return line;
+  private line(corners: Float32Array, style: LineStyle, order: number): Lines {
+    const lines = new Lines(corners, style);
+    lines.mesh.renderOrder = order;
+    return lines;
   }
 
   private markers(kind: Kind, paths: number[]): Points {
@@ -129,22 +120,18 @@ export class Contours {
 
   /** Marks one path, or none: a light rim under it, and its line on top of all cloth. */
   pick(path: number | null) {
-    for (const child of [...this.picked.children]) {
-      const line = child as LineSegments2;
-      line.geometry.dispose();
-      (line.material as Material).dispose();
-      this.picked.remove(child);
-      this.lines.splice(this.lines.indexOf(line.material), 1);
-    }
+    this.pickedLines.forEach((lines) => lines.dispose());
+    this.picked.clear();
     const kind = KINDS.find((kind) => path !== null && kind.name === this.state.paths[path]?.pair_type);
+    this.pickedLines = [];
     if (!kind) return;
     const corners = segments(this.state, (other) => other === path);
-    const rim = lineMaterial({ ...kind, colour: "#ffe14d", dash: "solid" }, true);
-    rim.linewidth = 3 * WIDTH;
-    const core = lineMaterial(kind, true);
-    rim.userData = core.userData = { opacity: 1 };
-    core.linewidth = 1.3 * WIDTH;
-    this.picked.add(this.line(corners, rim, 5), this.line(corners, core, 6));
+    const style = { isOnTop: true, opacity: 1 };
+    this.pickedLines = [
+      this.line(corners, { ...style, colour: "#ffe14d", width: 3 * WIDTH, dash: null }, 5),
+      this.line(corners, { ...style, colour: kind.colour, width: 1.3 * WIDTH, dash: DASHES[kind.dash] }, 6),
+    ];
+    this.pickedLines.forEach((lines) => this.picked.add(lines.mesh));
   }
 
   /** Gives back what the graphics card holds. */
@@ -166,17 +153,15 @@ export class Contours {
     return this.byKind.get(this.state.paths[path]!.pair_type)?.visible ?? false;
   }
 
-  /** Before each picture: how much of it shows, its size in pixels, and pixels to a metre, for dashes. */
-  prepare(opacity: number, width: number, height: number, pixelsPerMetre: number, ratio: number) {
+  /** Before each picture: how much of it shows, the picture in pixels, and pixels to a metre, for dashes. */
+  prepare(opacity: number, sight: Sight) {
     this.group.visible = opacity > 0;
-    for (const material of this.lines) {
-      material.opacity = opacity * (material.userData as { opacity: number }).opacity;
-      material.resolution.set(width, height);
-      material.dashScale = pixelsPerMetre;
+    for (const lines of [...this.lines, ...this.pickedLines]) {
+      lines.prepare(opacity, sight.width, sight.height, sight.pixelsPerMetre, sight.near);
     }
     for (const material of this.points) {
       material.opacity = opacity;
-      material.size = 17 * ratio;
+      material.size = 17 * sight.ratio;
     }
   }
 }

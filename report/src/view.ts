@@ -28,6 +28,7 @@ export class View {
   private readonly hidden = new Set<string>();
   private mixing = 0;
   private isAsked = false;
+  private isSized = false;
 
   constructor(private readonly page: PageData, private states: State[], onPick: (picked: Picked) => void) {
     // Colours are those of the legend, to the bit.
@@ -35,6 +36,8 @@ export class View {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setClearColor(0, 0);
+    // To ask whether shaders are right waits for them.
+    this.renderer.debug.checkShaderErrors = false;
     this.canvas = this.renderer.domElement;
     this.orbit = new OrbitCamera(() => this.draw());
     this.cloth = new Cloth(page.mesh.parts, whole(page.mesh.triangles), states);
@@ -137,11 +140,11 @@ export class View {
   render() {
     this.isAsked = false;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    if (width === 0 || height === 0) return;
+    if (width === 0 || height === 0 || !this.isSized) return;
     const ratio = this.renderer.getPixelRatio();
-    const density = this.orbit.pixelsPerMetre(height);
+    const sight = { width, height, ratio, pixelsPerMetre: this.orbit.pixelsPerMetre(height), near: this.orbit.camera.near };
     const shares = this.shares();
-    this.contours.forEach((contours, i) => contours.prepare(shares[i]!, width, height, density, ratio));
+    this.contours.forEach((contours, i) => contours.prepare(shares[i]!, sight));
     this.dots.forEach((dots, i) => dots.forEach((points) => {
       const material = points.material as PointsMaterial;
       points.visible = shares[i]! > 0.5;
@@ -162,6 +165,7 @@ export class View {
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.renderer.setSize(width, height, false);
+    this.isSized = true;
     this.orbit.resize(width, height);
     this.render();
   }
