@@ -11,7 +11,7 @@
 //! | `certificate` | what readers of a file find in it, by the judge |
 //! | `gap` | `--gap`: the distance that primitives keep |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
-//! | `sequence` | `check` and `fix` with `--cache`: frame after frame |
+//! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
@@ -97,9 +97,9 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Serve(args) => serve::run(&args),
         Command::Status(args) => status::run(&args),
         Command::Config(args) => config::run(&args),
-        Command::Check(args) if args.sequence.cache.is_some() => sequence::check(&args).map_err(Into::into),
+        Command::Check(args) if args.sequence.is_asked() => sequence::check(&args).map_err(Into::into),
         Command::Check(args) => check::run(&args).map_err(Into::into),
-        Command::Fix(args) if args.sequence.cache.is_some() => sequence::fix(&args).map_err(Into::into),
+        Command::Fix(args) if args.sequence.is_asked() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),
         Command::Completions(args) => packaging::completions(&args, Cli::command()),

@@ -5,3 +5,4 @@ mod c;
 mod guides;
 mod python;
 mod repairs;
+mod usd;

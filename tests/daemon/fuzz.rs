@@ -1,7 +1,7 @@
 //! The fuzz targets, a fixed number of inputs each.
 //!
 //! More of them: `cargo run --release -p untangled-lab --bin soak -- fuzz-ingest fuzz-register fuzz-settings
-//! fuzz-mesh-file`, with `--seed` for other ones.
+//! fuzz-mesh-file fuzz-stage`, with `--seed` for other ones.
 
 use untangled_testkit::fuzz::{Target, run};
 
@@ -31,4 +31,9 @@ fn settings_of_damaged_documents_never_panic() {
 #[test]
 fn reading_damaged_mesh_files_never_panics() {
     assert_no_find(Target::MeshFile, 4_000);
+}
+
+#[test]
+fn reading_damaged_stages_never_panics() {
+    assert_no_find(Target::Stage, 4_000);
 }

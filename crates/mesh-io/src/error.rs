@@ -29,8 +29,11 @@ pub enum ReadErrorKind {
     #[error("can't be read: {0}")]
     Io(#[from] std::io::Error),
     /// Neither the name nor the first bytes tell the format.
-    #[error("not a known mesh format; expected OBJ, PLY, STL, glTF or GLB")]
+    #[error("not a known mesh format; expected OBJ, PLY, STL, glTF, GLB or USD")]
     UnknownFormat,
+    /// USD, of which the prim is not known.
+    #[error("USD is read with --prim PATH, the path of the cloth in it, as the one FILE; export bodies as meshes")]
+    NeedsPrim,
     /// No vertices or no faces.
     #[error("no mesh in it: {num_vertices} vertices, {num_faces} faces")]
     Empty {

@@ -13,6 +13,8 @@ pub enum FileFormat {
     Gltf,
     /// STL, ascii or binary.
     Stl,
+    /// USD, as text, binary or an archive, whose meshes [`VertexCache::open_usd`](crate::VertexCache::open_usd) reads.
+    Usd,
 }
 
 impl FileFormat {
@@ -25,6 +27,7 @@ impl FileFormat {
             "ply" => Some(Self::Ply),
             "gltf" | "glb" => Some(Self::Gltf),
             "stl" => Some(Self::Stl),
+            "usd" | "usda" | "usdc" | "usdz" => Some(Self::Usd),
             _ => None,
         }
     }

@@ -1,5 +1,5 @@
-//! Mesh files in and out: OBJ, PLY, STL and glTF; vertex caches: PC2, MDD and numbered meshes; intersection paths as
-//! lines.
+//! Mesh files in and out: OBJ, PLY, STL and glTF; vertex caches: PC2, MDD and numbered meshes; shots in USD;
+//! intersection paths as lines.
 //!
 //! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
 //!   the file and are split into triangles only for the analysis. Positions are kept in double precision. STL alone has
@@ -40,7 +40,8 @@
 //! | `formats` | `obj`, `ply`, `gltf`, `stl`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
 //! | `mesh_file` | one file of any format |
-//! | `caches` | the positions of a mesh, frame by frame: PC2, MDD, numbered meshes |
+//! | `usd` | shots in USD: layers, composition, the meshes below a prim |
+//! | `caches` | the positions of a mesh, frame by frame: PC2, MDD, numbered meshes, USD |
 //! | `world` | several files in one world |
 //! | `output` | one or several files as one file |
 //! | `contours` | intersection paths as lines for other programs |
@@ -55,6 +56,7 @@ mod output;
 mod printable;
 #[cfg(test)]
 mod tests;
+mod usd;
 mod world;
 
 pub use caches::{CacheError, CacheErrorKind, CacheFrame, Pattern, VertexCache};
@@ -68,4 +70,5 @@ pub use formats::{
 pub use mesh_file::{MeshFile, read_mesh};
 pub use output::{Output, write_obj, write_ply};
 pub use printable::Printable;
+pub use usd::UsdError;
 pub use world::{World, concatenate};

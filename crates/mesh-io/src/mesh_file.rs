@@ -28,6 +28,8 @@ enum Document {
     Ply(ply::PlyDocument),
     Gltf(gltf::GltfDocument),
     Stl(stl::StlDocument),
+    /// None: the mesh stands in a stage, and is written as a layer over it.
+    Stage,
 }
 
 /// A mesh file as it was read.
@@ -46,6 +48,9 @@ pub struct MeshFile {
 /// [`ReadError`], with the file, the line in a text format, and the element at fault.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
+    if FileFormat::of_name(path) == Some(FileFormat::Usd) {
+        return Err(ReadError { path: path.to_path_buf(), line: None, kind: ReadErrorKind::NeedsPrim });
+    }
     let bytes = fs::read(path).map_err(|io| ReadError { path: path.to_path_buf(), line: None, kind: io.into() })?;
     parse_mesh(bytes, path)
 }
@@ -63,12 +68,18 @@ pub(crate) fn parse_mesh(bytes: Vec<u8>, path: &Path) -> Result<MeshFile, ReadEr
             .map(|(data, document)| (data, Document::Gltf(document)))
             .map_err(|kind| (None, kind)),
         FileFormat::Stl => stl::parse(bytes).map(|(data, document)| (data, Document::Stl(document))),
+        FileFormat::Usd => Err((None, ReadErrorKind::NeedsPrim)),
     }
     .map_err(error)?;
     MeshFile::new(path, data, document).map_err(|kind| error((None, kind)))
 }
 
 impl MeshFile {
+    /// The mesh of a stage.
+    pub(crate) fn of_stage(path: &Path, data: MeshData) -> Result<Self, ReadErrorKind> {
+        Self::new(path, data, Document::Stage)
+    }
+
     fn new(path: &Path, mut data: MeshData, document: Document) -> Result<Self, ReadErrorKind> {
         let MeshData { positions, uv_coordinates, polygons, parts } = &mut data;
         if positions.is_empty() || polygons.is_empty() {
@@ -114,6 +125,7 @@ impl MeshFile {
             Document::Ply(_) => FileFormat::Ply,
             Document::Gltf(_) => FileFormat::Gltf,
             Document::Stl(_) => FileFormat::Stl,
+            Document::Stage => FileFormat::Usd,
         }
     }
 
@@ -123,7 +135,7 @@ impl MeshFile {
         match &self.document {
             Document::Obj(document) => document.line_of_vertex(vertex),
             Document::Ply(document) => document.line_of_vertex(vertex),
-            Document::Gltf(_) => None,
+            Document::Gltf(_) | Document::Stage => None,
             Document::Stl(document) => document.line_of_vertex(vertex),
         }
     }
@@ -194,7 +206,7 @@ impl MeshFile {
     pub fn source_files(&self) -> impl Iterator<Item = &Path> {
         let linked = match &self.document {
             Document::Gltf(document) => Some(document.linked_files()),
-            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) => None,
+            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) | Document::Stage => None,
         };
         std::iter::once(self.path.as_path()).chain(linked.into_iter().flatten().map(PathBuf::as_path))
     }
@@ -203,7 +215,7 @@ impl MeshFile {
     #[must_use]
     pub fn is_single_precision(&self) -> bool {
         match &self.document {
-            Document::Obj(_) => false,
+            Document::Obj(_) | Document::Stage => false,
             Document::Ply(document) => document.is_single_precision(),
             Document::Gltf(document) => document.is_single_precision(),
             Document::Stl(document) => document.is_single_precision(),
@@ -214,7 +226,7 @@ impl MeshFile {
     #[must_use]
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
         match &self.document {
-            Document::Obj(_) | Document::Stl(_) => Vec::new(),
+            Document::Obj(_) | Document::Stl(_) | Document::Stage => Vec::new(),
             Document::Ply(document) => document.fixed_vertices().collect(),
             Document::Gltf(document) => document.fixed_vertices().collect(),
         }
@@ -251,7 +263,7 @@ impl MeshFile {
     fn container(&self) -> Container {
         match &self.document {
             Document::Gltf(document) => document.container(),
-            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) => Container::Text,
+            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) | Document::Stage => Container::Text,
         }
     }
 
@@ -270,13 +282,14 @@ impl MeshFile {
             Document::Ply(document) => document.write(before, positions, out),
             Document::Gltf(document) => document.write(before, positions, destination, out),
             Document::Stl(document) => document.write(before, positions, out),
+            Document::Stage => Err(WriteError::UnknownFormat),
         }
     }
 
     /// The positions that reading the file gives, once it was written with these.
     pub(crate) fn stored_positions(&self, positions: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
         match &self.document {
-            Document::Obj(_) => Ok(positions.to_vec()),
+            Document::Obj(_) | Document::Stage => Ok(positions.to_vec()),
             Document::Ply(document) => document.stored(self.positions(), positions),
             Document::Gltf(document) => document.stored_positions(self.positions(), positions),
             Document::Stl(document) => document.stored(self.positions(), positions),
@@ -287,7 +300,7 @@ impl MeshFile {
     pub(crate) fn obj_document(&self) -> Option<&obj::ObjDocument> {
         match &self.document {
             Document::Obj(document) => Some(document),
-            Document::Ply(_) | Document::Gltf(_) | Document::Stl(_) => None,
+            Document::Ply(_) | Document::Gltf(_) | Document::Stl(_) | Document::Stage => None,
         }
     }
 }

@@ -125,7 +125,7 @@ pub(in crate::cli) struct Staged {
 
 impl Staged {
     /// Its current path.
-    pub(super) fn path(&self) -> &Path {
+    pub(in crate::cli) fn path(&self) -> &Path {
         self.file.path()
     }
 

@@ -1,21 +1,37 @@
-//! `--cache`, `--body-cache` and `--frames`.
+//! `--cache`, `--prim`, `--body-cache` and `--frames`.
 
 use std::{ops::RangeInclusive, path::PathBuf, str::FromStr};
+
+/// The group of arguments that bring in frames.
+const FRAMES: &str = "frames of a shot";
 
 /// The arguments of sequences.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct CacheArgs {
     /// Positions frame by frame, while the FILEs give the mesh: .pc2, .mdd, or numbered .obj or .ply by a pattern as
     /// cloth_####.obj. Of several FILEs the vertices stand in it one file after the other
-    #[arg(long, value_name = "IN")]
+    #[arg(long, value_name = "IN", group = FRAMES)]
     pub cache: Option<PathBuf>,
+    /// The meshes at and below this prim of FILE, a stage in USD (.usd, .usda, .usdc, .usdz), at all time codes of
+    /// their points; fix writes a layer over FILE, .usda
+    #[arg(long, value_name = "PATH", group = FRAMES)]
+    pub prim: Option<String>,
     /// The same for the bodies: one for each --body, in their order, of as many frames; without any, bodies stay where
     /// they are
-    #[arg(long = "body-cache", value_name = "IN", requires = "cache")]
+    #[arg(long = "body-cache", value_name = "IN", requires = FRAMES)]
     pub body_caches: Vec<PathBuf>,
-    /// A part of the frames, both ends included: numbers as in the names of numbered files, from 0 in .pc2 and .mdd
-    #[arg(long, value_name = "A..B", requires = "cache")]
+    /// A part of the frames, both ends included: numbers as in the names of numbered files, from 0 in .pc2 and .mdd,
+    /// time codes in USD (from 0 where these are not whole numbers in a row)
+    #[arg(long, value_name = "A..B", requires = FRAMES)]
     pub frames: Option<FrameRange>,
+}
+
+impl CacheArgs {
+    /// Whether frames are asked for.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        self.cache.is_some() || self.prim.is_some()
+    }
 }
 
 /// Frames from one to another, both included.

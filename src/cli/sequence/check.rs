@@ -23,6 +23,9 @@ struct FrameLine {
     schema: &'static str,
     /// Its number: in the name of its file, or from 0.
     frame: u64,
+    /// Its time code in USD.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_code: Option<f64>,
     /// What is in it.
     before: Counts,
     /// The distances, if a gap was asked for.
@@ -54,9 +57,9 @@ struct Totals {
 }
 
 impl FrameLine {
-    fn new(frame: u64, Judgement { counts, gap }: &Judgement) -> Self {
+    fn new(frame: u64, time_code: Option<f64>, Judgement { counts, gap }: &Judgement) -> Self {
         let clean = counts.is_clean() && gap.as_ref().is_none_or(GapReport::is_kept);
-        Self { schema: SCHEMA, frame, before: counts.clone(), gap: gap.clone(), clean }
+        Self { schema: SCHEMA, frame, time_code, before: counts.clone(), gap: gap.clone(), clean }
     }
 
     /// The line for people; nothing to say of a clean frame.
@@ -124,7 +127,7 @@ pub fn check(args: &CheckArgs) -> Result<Outcome, SequenceError> {
         shot.judge(frame, &shot.state(frame, &roles, own.positions())?)
     };
     pipeline.run(&judge, &mut |frame, judgement: &Judgement| {
-        let line = FrameLine::new(frame, judgement);
+        let line = FrameLine::new(frame, shot.cache.time_code(frame), judgement);
         totals.add(&line);
         progress.done(frame);
         print(&if args.json { json_line(&line) } else { line.words() })

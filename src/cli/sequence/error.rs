@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use untangled_mesh_io::{CacheError, CacheErrorKind, WriteError};
+use untangled_mesh_io::{CacheError, CacheErrorKind, UsdError, WriteError};
 
 use crate::cli::{fix::FixError, gap::GapError, input::InputError};
 
@@ -14,6 +14,9 @@ pub enum SequenceError {
     /// A cache can't be read.
     #[error(transparent)]
     Cache(#[from] CacheError),
+    /// A stage of USD can't be read.
+    #[error(transparent)]
+    Usd(#[from] UsdError),
     /// The mesh or a body can't be analysed.
     #[error(transparent)]
     Input(#[from] InputError),
@@ -69,7 +72,7 @@ pub enum SequenceError {
         frame: u64,
     },
     /// An argument that has no meaning for a sequence.
-    #[error("{argument} can't be used with --cache: {reason}")]
+    #[error("{argument} can't be used with --cache or --prim: {reason}")]
     Argument {
         /// The argument as it is spelled.
         argument: &'static str,

@@ -37,6 +37,8 @@ pub(super) struct Shot {
     /// For each face whether it points outwards of its layer, by the first frame of the cache, whatever frames are
     /// asked for; nothing without layers.
     outwards: Option<Vec<bool>>,
+    /// The prim in USD, else empty.
+    pub(super) prim: String,
     /// The frames that are asked for.
     pub(super) part: RangeInclusive<u64>,
 }
@@ -69,10 +71,12 @@ impl Shot {
     /// Reads the mesh and the bodies, and opens all caches.
     pub(super) fn open(asks: Asks<'_>) -> Result<Self, SequenceError> {
         let Asks { files: paths, roles: role_args, sequence, weld, max_face_pairs, gap } = asks;
-        let files = input::read_files(paths)?;
+        let (files, cache) = open_cache(paths, sequence)?;
         let roles = Roles::read(role_args, &files, weld)?;
-        let path = sequence.cache.as_deref().unwrap_or_else(|| Path::new(""));
-        let cache = VertexCache::open(path, &files)?;
+        if cache.is_usd() && role_args.layers {
+            let reason = "layers are several FILEs, and USD is one";
+            return Err(SequenceError::Argument { argument: "--layers", reason });
+        }
         let body_caches = open_body_caches(&sequence.body_caches, &roles, &cache)?;
         let [first, last] = [*cache.frames().start(), *cache.frames().end()];
         let part = sequence.frames.clone().map_or_else(|| cache.frames(), |range| range.0);
@@ -94,6 +98,7 @@ impl Shot {
             certify_gap: false,
             reference,
             outwards: None,
+            prim: sequence.prim.clone().unwrap_or_default(),
             part,
         };
         if role_args.layers {
@@ -177,6 +182,22 @@ pub(super) fn split(files: &[MeshFile], positions: &[[f64; 3]]) -> Result<Vec<Me
         file.at_positions(positions.get(own).unwrap_or_default())
     };
     files.iter().map(at).collect()
+}
+
+/// The mesh, and the positions of its frames.
+fn open_cache(paths: &[PathBuf], args: &CacheArgs) -> Result<(Vec<MeshFile>, VertexCache), SequenceError> {
+    if let Some(prim) = &args.prim {
+        let [path] = paths else {
+            let reason = "USD is one FILE; a prim above all meshes brings in all of them";
+            return Err(SequenceError::Argument { argument: "more than one FILE", reason });
+        };
+        let (file, cache) = VertexCache::open_usd(path, prim)?;
+        return Ok((vec![file], cache));
+    }
+    let files = input::read_files(paths)?;
+    let path = args.cache.as_deref().unwrap_or_else(|| Path::new(""));
+    let cache = VertexCache::open(path, &files)?;
+    Ok((files, cache))
 }
 
 fn open_body_caches(paths: &[PathBuf], roles: &Roles, cache: &VertexCache) -> Result<Vec<VertexCache>, SequenceError> {

@@ -1,10 +1,11 @@
-//! `check` and `fix` with `--cache`.
+//! `check` and `fix` with `--cache` and `--prim`.
 
 mod check;
 mod coherence;
 mod fix;
 mod refusals;
 mod resume;
+mod usd;
 
 use std::{
     fs,

@@ -20,7 +20,7 @@ fn num_lines(journal: &Path) -> usize {
 }
 
 /// Starts a run and sends a signal once a journal has some lines. Whether it was ended by that.
-fn end_after(arguments: &[&str], folder: &Path, journal: &str, num: usize, signal: &str) -> bool {
+pub(super) fn end_after(arguments: &[&str], folder: &Path, journal: &str, num: usize, signal: &str) -> bool {
     let mut child = command(arguments, folder).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     // Lines of earlier runs are there already.
     let num = num.max(num_lines(&folder.join(journal)) + 2);

@@ -99,6 +99,9 @@ pub enum CacheErrorKind {
     /// A numbered mesh whose faces have other corners.
     #[error("face {0} (from 0) has other corners than in the mesh: all frames must have its connectivity")]
     OtherFace(usize),
+    /// A prim that has no points there, or not those of the mesh.
+    #[error("{0}")]
+    Usd(String),
     /// A range of frames that the cache does not hold.
     #[error("there are frames {first} to {last}")]
     OutOfRange {

@@ -1,9 +1,13 @@
 //! One frame of a cache.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use super::singles::{self, ByteOrder};
-use crate::{error::WriteError, mesh_file::MeshFile};
+use crate::{
+    error::WriteError,
+    mesh_file::MeshFile,
+    usd::{self, Place},
+};
 
 /// One frame as it was read, and how it is written.
 #[derive(Clone, Debug)]
@@ -16,6 +20,8 @@ pub struct CacheFrame {
 pub(super) enum Source {
     Singles(Vec<u8>, ByteOrder),
     Mesh(Box<MeshFile>),
+    /// Little-endian singles in the spaces of prims.
+    Prims(Vec<u8>, Arc<[Place]>),
 }
 
 impl CacheFrame {
@@ -35,6 +41,7 @@ impl CacheFrame {
         match &self.source {
             Source::Singles(..) => true,
             Source::Mesh(file) => file.is_single_precision(),
+            Source::Prims(_, places) => places.iter().all(|place| place.is_identity),
         }
     }
 
@@ -42,7 +49,7 @@ impl CacheFrame {
     #[must_use]
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
         match &self.source {
-            Source::Singles(..) => Vec::new(),
+            Source::Singles(..) | Source::Prims(..) => Vec::new(),
             Source::Mesh(file) => file.fixed_vertices(),
         }
     }
@@ -56,8 +63,12 @@ impl CacheFrame {
         if given != expected {
             return Err(WriteError::Length { given, expected });
         }
-        if let Source::Mesh(file) = &self.source {
-            return file.stored_positions(positions);
+        match &self.source {
+            Source::Mesh(file) => return file.stored_positions(positions),
+            Source::Prims(bytes, places) => {
+                return Ok(usd::positions(&self.in_prims(bytes, places, positions)?, places));
+            }
+            Source::Singles(..) => {}
         }
         let mut stored = positions.to_vec();
         for (vertex, position) in stored.iter_mut().enumerate() {
@@ -84,11 +95,38 @@ impl CacheFrame {
                 singles::replace(&mut bytes, *order, &self.positions, &stored);
                 Ok(bytes)
             }
+            Source::Prims(bytes, places) => {
+                self.stored_positions(positions)?;
+                self.in_prims(bytes, places, positions)
+            }
             Source::Mesh(file) => {
                 let mut bytes = Vec::new();
                 file.write_with_positions(positions, &mut bytes)?;
                 Ok(bytes)
             }
         }
+    }
+
+    /// The points of prims where vertices of the world are at positions; those that did not move keep their bits.
+    fn in_prims(&self, bytes: &[u8], places: &[Place], positions: &[[f64; 3]]) -> Result<Vec<u8>, WriteError> {
+        let largest = self.positions.as_flattened().iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let mut bytes = bytes.to_vec();
+        let points = bytes.as_chunks_mut::<12>().0;
+        for place in places {
+            for vertex in place.vertices.clone() {
+                let position = positions[vertex];
+                if position.map(f64::to_bits) == self.positions[vertex].map(f64::to_bits) {
+                    continue;
+                }
+                let stored = place.stored(position, largest).ok_or_else(|| WriteError::FixedCoordinates {
+                    vertex,
+                    reason: "it is beyond single precision".to_owned(),
+                })?;
+                for (slot, value) in points[vertex].as_chunks_mut::<4>().0.iter_mut().zip(stored) {
+                    *slot = value.to_le_bytes();
+                }
+            }
+        }
+        Ok(bytes)
     }
 }

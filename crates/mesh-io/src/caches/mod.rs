@@ -1,4 +1,4 @@
-//! Vertex caches: the positions of a mesh, frame by frame, in PC2, MDD, or numbered OBJ or PLY.
+//! Vertex caches: the positions of a mesh, frame by frame, in PC2, MDD, numbered OBJ or PLY, or USD.
 //!
 //! Frames are read and written one at a time, in any order; nothing is kept of a frame that was read. A header is
 //! checked against the length of its file before anything is allocated.
@@ -23,11 +23,17 @@ mod singles;
 mod topology;
 
 use std::{
-    ops::RangeInclusive,
+    io::{self, Write},
+    ops::{Range, RangeInclusive},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
-use crate::{file_format::FileFormat, mesh_file::MeshFile};
+use crate::{
+    file_format::FileFormat,
+    mesh_file::MeshFile,
+    usd::{self, Place, UsdError, UsdShot},
+};
 pub use error::{CacheError, CacheErrorKind};
 pub use frame::CacheFrame;
 use frame::Source;
@@ -70,6 +76,7 @@ enum Format {
     Pc2(Pc2),
     Mdd(Mdd),
     Numbered(Numbered),
+    Usd(Box<UsdShot>),
 }
 
 impl VertexCache {
@@ -95,6 +102,23 @@ impl VertexCache {
         Ok(Self { path: path.to_path_buf(), topology, format })
     }
 
+    /// Opens a stage of USD as a cache of the meshes at a prim and below it: its mesh, all prims one after the other at
+    /// their positions of the first frame in metres in the world, and the cache.
+    ///
+    /// # Errors
+    /// [`UsdError`], with the layer or the prim at fault.
+    pub fn open_usd(path: &Path, prim: &str) -> Result<(MeshFile, Self), UsdError> {
+        let (data, shot) = UsdShot::open(path, prim)?;
+        let file = MeshFile::of_stage(path, data).map_err(|kind| UsdError {
+            path: path.to_path_buf(),
+            line: None,
+            prim: Some(prim.to_owned()),
+            reason: kind.to_string(),
+        })?;
+        let topology = Topology::of(std::slice::from_ref(&file));
+        Ok((file, Self { path: path.to_path_buf(), topology, format: Format::Usd(Box::new(shot)) }))
+    }
+
     /// The path, or the pattern, that it was opened with.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -108,6 +132,7 @@ impl VertexCache {
             Format::Pc2(file) => 0..=file.frames.num_frames() - 1,
             Format::Mdd(file) => 0..=file.frames.num_frames() - 1,
             Format::Numbered(files) => files.frames.clone(),
+            Format::Usd(shot) => shot.first()..=shot.first() + shot.num_frames() - 1,
         }
     }
 
@@ -116,7 +141,51 @@ impl VertexCache {
     pub fn pattern(&self) -> Option<&Pattern> {
         match &self.format {
             Format::Numbered(files) => Some(&files.pattern),
-            Format::Pc2(_) | Format::Mdd(_) => None,
+            Format::Pc2(_) | Format::Mdd(_) | Format::Usd(_) => None,
+        }
+    }
+
+    /// The files that it is read from, of frames that are there.
+    #[must_use]
+    pub fn files(&self) -> Vec<PathBuf> {
+        match &self.format {
+            Format::Pc2(_) | Format::Mdd(_) => vec![self.path.clone()],
+            Format::Numbered(files) => files.frames.clone().map(|frame| files.pattern.file(frame)).collect(),
+            Format::Usd(shot) => shot.files(),
+        }
+    }
+
+    /// The time code of a frame in USD; nothing in other formats, and where points have no samples.
+    #[must_use]
+    pub fn time_code(&self, frame: u64) -> Option<f64> {
+        match &self.format {
+            Format::Usd(shot) => shot.time(frame - shot.first()),
+            Format::Pc2(_) | Format::Mdd(_) | Format::Numbered(_) => None,
+        }
+    }
+
+    /// Whether it is a stage of USD: its output is a layer, which [`write_layer`](Self::write_layer) writes at the end.
+    #[must_use]
+    pub fn is_usd(&self) -> bool {
+        matches!(self.format, Format::Usd(_))
+    }
+
+    /// Writes the layer over a stage of USD, as the file at a path: the points of the meshes in a part of the frames,
+    /// and the stage as its sublayer. `read` gives the bytes of a frame, as [`CacheFrame::encode`] made them, for a
+    /// range of vertices, 12 for each. Of other formats there is nothing to write.
+    ///
+    /// # Errors
+    /// What `read` and `out` give.
+    pub fn write_layer(
+        &self,
+        path: &Path,
+        part: &RangeInclusive<u64>,
+        read: &mut dyn FnMut(u64, Range<usize>) -> io::Result<Vec<u8>>,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        match &self.format {
+            Format::Usd(shot) => shot.write_layer(path, part, read, out),
+            Format::Pc2(_) | Format::Mdd(_) | Format::Numbered(_) => Ok(()),
         }
     }
 
@@ -133,7 +202,7 @@ impl VertexCache {
         match &self.format {
             Format::Pc2(file) => file.header(part),
             Format::Mdd(file) => file.header(part),
-            Format::Numbered(_) => Vec::new(),
+            Format::Numbered(_) | Format::Usd(_) => Vec::new(),
         }
     }
 
@@ -146,6 +215,11 @@ impl VertexCache {
             Format::Pc2(file) => file.frames.bytes(frame),
             Format::Mdd(file) => file.frames.bytes(frame),
             Format::Numbered(files) => return files.read(frame, &self.topology).map(of_mesh),
+            Format::Usd(shot) => {
+                let read = shot.read(frame - shot.first());
+                let (bytes, places) = read.map_err(|error| self.usd_error(frame, error))?;
+                return Ok(of_prims(bytes, places));
+            }
         };
         let bytes = bytes.map_err(|io| CacheError { path: self.path.clone(), frame: Some(frame), kind: io.into() })?;
         self.decode(frame, bytes)
@@ -160,6 +234,10 @@ impl VertexCache {
             Format::Pc2(file) => file.frames.order(),
             Format::Mdd(file) => file.frames.order(),
             Format::Numbered(files) => return files.parse(frame, bytes, &self.topology).map(of_mesh),
+            Format::Usd(shot) => {
+                let places = shot.places(frame - shot.first()).map_err(|error| self.usd_error(frame, error))?;
+                return Ok(of_prims(bytes, places));
+            }
         };
         let positions = singles::decode(&bytes, order).map_err(|kind| CacheError {
             path: self.path.clone(),
@@ -168,6 +246,15 @@ impl VertexCache {
         })?;
         Ok(CacheFrame::new(positions, Source::Singles(bytes, order)))
     }
+
+    fn usd_error(&self, frame: u64, UsdError { path, prim, reason, .. }: UsdError) -> CacheError {
+        let prim = prim.map_or_else(String::new, |prim| format!("prim {prim}: "));
+        CacheError { path, frame: Some(frame), kind: CacheErrorKind::Usd(prim + &reason) }
+    }
+}
+
+fn of_prims(bytes: Vec<u8>, places: Arc<[Place]>) -> CacheFrame {
+    CacheFrame::new(usd::positions(&bytes, &places), Source::Prims(bytes, places))
 }
 
 fn of_mesh(file: MeshFile) -> CacheFrame {

@@ -44,6 +44,7 @@ impl<'a> Output<'a> {
         let output = Self { files, path: path.to_path_buf(), format };
         match format {
             FileFormat::Gltf if output.patched().is_none() => Err(WriteError::OnlyFromGltf),
+            FileFormat::Usd => Err(WriteError::UnknownFormat),
             FileFormat::Stl if output.patched().is_none() => Err(WriteError::OnlyFromStl),
             _ => Ok(output),
         }

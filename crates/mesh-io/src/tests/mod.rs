@@ -8,6 +8,7 @@ mod parts;
 mod ply;
 mod several;
 mod stl;
+mod usd;
 
 use std::fs;
 

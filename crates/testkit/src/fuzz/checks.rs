@@ -1,12 +1,14 @@
 //! What holds for everything that was accepted.
 
+use std::path::Path;
+
 use untangle::{
     frame::Frame,
     mesh::{FaceId, Mesh},
     respond::VertexFlags,
     untangler::Untangler,
 };
-use untangled_mesh_io::{MeshFile, Output, read_mesh};
+use untangled_mesh_io::{MeshFile, Output, VertexCache, read_mesh};
 
 /// A mesh: its adjacency is consistent.
 pub(super) fn check_mesh(mesh: &Mesh) {
@@ -66,4 +68,31 @@ fn check_moved(file: &MeshFile) {
         let read = read_mesh(file.path()).unwrap_or_else(|error| panic!("what was written is read: {error}"));
         output.check_read_back(&moved, &read).unwrap_or_else(|error| panic!("{error}"));
     }
+}
+
+/// A stage: its frames are written back bit for bit, and a layer over it brings about what was written, or it is
+/// refused. Overwrites the file.
+pub(super) fn check_stage(file: &MeshFile, cache: &VertexCache, path: &Path) {
+    assert!(file.faces().iter().flatten().all(|&corner| (corner as usize) < file.positions().len()));
+    let mut frames = Vec::new();
+    for frame in cache.frames() {
+        let Ok(read) = cache.read(frame) else { return };
+        let mut moved = read.positions().to_vec();
+        for (vertex, position) in moved.iter_mut().enumerate() {
+            position[vertex % 3] = position[vertex % 3] * 0.75 + 0.1 * vertex as f64;
+        }
+        let bytes = read.encode(read.positions()).expect("a frame is written as it was read");
+        let Ok(stored) = read.stored_positions(&moved) else { return };
+        let back = cache.decode(frame, read.encode(&moved).expect("what is stored is written")).expect("it is read");
+        let bits = |positions: &[[f64; 3]]| positions.iter().map(|place| place.map(f64::to_bits)).collect::<Vec<_>>();
+        assert_eq!(bits(back.positions()), bits(&stored), "a frame is read as it was stored");
+        frames.push(bytes);
+    }
+    let first = *cache.frames().start();
+    let mut points = |frame: u64, vertices: std::ops::Range<usize>| {
+        Ok(frames[(frame - first) as usize][12 * vertices.start..12 * vertices.end].to_vec())
+    };
+    let mut layer = Vec::new();
+    cache.write_layer(path, &cache.frames(), &mut points, &mut layer).expect("it is written to memory");
+    assert!(layer.starts_with(b"#usda 1.0"));
 }

@@ -11,7 +11,7 @@ use untangle::{
     untangler::Untangler,
 };
 use untangled::service::ServeOptions;
-use untangled_mesh_io::{concatenate, read_mesh};
+use untangled_mesh_io::{VertexCache, concatenate, read_mesh};
 use untangled_proto::{
     PositionF32, PositionF64, StateHeader,
     sections::{SectionWriter, id},
@@ -21,11 +21,12 @@ use untangled_transport::Domain;
 use crate::intake::{Positions, accept_state, read_registration, read_settings};
 
 use super::{
-    checks::{check_file, check_frame, check_mesh},
+    checks::{check_file, check_frame, check_mesh, check_stage},
     damage::damage,
     grid::grid,
     mesh_files::{gltf, obj, ply, stl},
     requests::{document, registration},
+    stages,
 };
 
 /// What the targets need, made once.
@@ -38,13 +39,14 @@ pub(super) struct Fuzzer {
 
 impl Drop for Fuzzer {
     fn drop(&mut self) {
-        for extension in EXTENSIONS {
+        for extension in EXTENSIONS.into_iter().chain([STAGE]) {
             let _ = std::fs::remove_file(self.file.with_extension(extension));
         }
     }
 }
 
 const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "stl"];
+const STAGE: &str = "usd";
 
 impl Fuzzer {
     pub(super) fn new() -> Self {
@@ -176,6 +178,23 @@ impl Fuzzer {
                 &self.frame,
             );
         }
+        true
+    }
+
+    /// A stage of USD; returns whether it was accepted.
+    pub(super) fn stage(&mut self, rng: &mut ChaCha8Rng) -> bool {
+        let mut bytes = match rng.random_range(0..4) {
+            0 => stages::QUADS_BINARY.to_vec(),
+            1 => stages::QUADS_ARCHIVE.to_vec(),
+            _ => stages::text(rng),
+        };
+        if rng.random_bool(0.7) {
+            damage(rng, &mut bytes);
+        }
+        let path = self.file.with_extension(STAGE);
+        std::fs::write(&path, &bytes).expect("there is room for a small file");
+        let Ok((file, cache)) = VertexCache::open_usd(&path, "/world") else { return false };
+        check_stage(&file, &cache, &path);
         true
     }
 }

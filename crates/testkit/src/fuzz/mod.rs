@@ -10,6 +10,7 @@ mod fuzzer;
 mod grid;
 mod mesh_files;
 mod requests;
+mod stages;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -29,6 +30,8 @@ pub enum Target {
     Settings,
     /// Mesh files.
     MeshFile,
+    /// Stages of USD.
+    Stage,
 }
 
 /// Tries inputs `first..first + count` of a seed; returns how many were accepted.
@@ -45,6 +48,7 @@ pub fn run(target: Target, seed: u64, first: u64, count: u64) -> Result<u64, Str
             Target::Register => fuzzer.register(&mut rng),
             Target::Settings => fuzzer.settings(&mut rng),
             Target::MeshFile => fuzzer.mesh_file(&mut rng),
+            Target::Stage => fuzzer.stage(&mut rng),
         }));
         match tried {
             Ok(accepted) => num_accepted += u64::from(accepted),

@@ -35,3 +35,32 @@ pub fn numbered_obj(frames: &[Sheet], first: usize) -> Vec<(String, Vec<u8>)> {
     let names = (first..).map(|number| format!("{number:03}.obj"));
     names.zip(frames.iter().map(|sheet| obj(sheet, false))).collect()
 }
+
+/// As a text stage of USD: the mesh `/garment/cloth`, a metre to the unit, time codes from 1 on, one for each line.
+pub fn usda(frames: &[Sheet]) -> String {
+    let faces = &frames[0].faces;
+    let corners: Vec<String> = faces.iter().flatten().map(u32::to_string).collect();
+    let points = |sheet: &Sheet| {
+        let point = |position: &[f64; 3]| format!("({})", position.map(|x| (x as f32).to_string()).join(", "));
+        format!("[{}]", sheet.positions.iter().map(point).collect::<Vec<_>>().join(", "))
+    };
+    let samples = (1..).zip(frames).map(|(time, sheet)| format!("            {time}: {},\n", points(sheet)));
+    format!(
+        "#usda 1.0\n(\n    defaultPrim = \"garment\"\n    metersPerUnit = 1\n)\n\ndef Xform \"garment\"\n{{\n    \
+         def Mesh \"cloth\"\n    {{\n        int[] faceVertexCounts = [{}]\n        int[] faceVertexIndices = [{}]\n        \
+         point3f[] points.timeSamples = {{\n{}        }}\n    }}\n}}\n",
+        vec!["3"; faces.len()].join(", "),
+        corners.join(", "),
+        samples.collect::<String>()
+    )
+}
+
+/// The points of a text layer that has each sample in a line, as little-endian singles: what stands behind `time: `.
+pub fn usda_points(text: &str) -> Vec<Vec<u8>> {
+    let sample = |line: &str| {
+        let (_, points) = line.trim().split_once(": [(")?;
+        let numbers = points.split(|char: char| "(), []".contains(char)).filter(|number| !number.is_empty());
+        Some(numbers.flat_map(|number| (number.parse::<f64>().unwrap() as f32).to_le_bytes()).collect())
+    };
+    text.lines().filter_map(sample).collect()
+}

@@ -3,5 +3,5 @@
 mod caches;
 mod flap;
 
-pub use caches::{mdd, numbered_obj, pc2};
+pub use caches::{mdd, numbered_obj, pc2, usda, usda_points};
 pub use flap::{FlapShot, Tangle};

@@ -11,7 +11,7 @@ use untangled_testkit::{
 use crate::{plan::Plan, programs::PROGRAMS};
 
 /// Names of all rows, in the order of the table.
-pub(crate) const ROWS: [&str; 15] = [
+pub(crate) const ROWS: [&str; 16] = [
     "client-kills",
     "daemon-kills",
     "all-killed",
@@ -26,6 +26,7 @@ pub(crate) const ROWS: [&str; 15] = [
     "fuzz-register",
     "fuzz-settings",
     "fuzz-mesh-file",
+    "fuzz-stage",
     "many-sessions",
 ];
 
@@ -46,6 +47,7 @@ pub(crate) fn make_row(name: &str, plan: &Plan) -> Option<Row> {
         "fuzz-register" => fuzzed(plan, Target::Register, 225_000),
         "fuzz-settings" => fuzzed(plan, Target::Settings, 400_000),
         "fuzz-mesh-file" => fuzzed(plan, Target::MeshFile, 225_000),
+        "fuzz-stage" => fuzzed(plan, Target::Stage, 225_000),
         "many-sessions" => {
             let time = Duration::from_secs_f64((600.0 * plan.scale).max(2.0));
             faults::many_sessions(PROGRAMS, 32, time)

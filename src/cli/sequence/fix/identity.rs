@@ -24,7 +24,10 @@ pub(super) fn identity(args: &FixArgs, shot: &Shot) -> Result<Identity, Sequence
         });
         Ok(sums.collect::<Result<Vec<_>, _>>()?.join(" "))
     };
-    add("FILE or --body", files(&shot.source_files())?);
+    // A stage is recognised as a cache is.
+    let is_stage = |path: &&Path| shot.cache.is_usd() && shot.files.iter().any(|file| file.path() == *path);
+    add("FILE or --body", files(&shot.source_files().into_iter().filter(|path| !is_stage(path)).collect::<Vec<_>>())?);
+    add("--prim", format!("{:?}", args.sequence.prim));
     add("--pin", files(&args.pin.iter().map(AsRef::as_ref).collect::<Vec<_>>())?);
     let stamps: Vec<String> = files_of(shot.caches()).iter().map(|path| stamp(path)).collect();
     add("--cache or --body-cache", checksum(stamps.join("\n").as_bytes()));

@@ -201,7 +201,8 @@ impl<'a> Run<'a> {
             return Err(SequenceError::ReadBack { path: self.shot.cache.file(frame), frame });
         }
         self.output.write(frame, &bytes)?;
-        let entry = Entry::new(frame, &bytes, json_line(&FrameLine::new(frame, pass)));
+        let entry =
+            Entry::new(frame, &bytes, json_line(&FrameLine::new(frame, self.shot.cache.time_code(frame), pass)));
         self.journal.add(&entry)?;
         self.output.place(frame)?;
         self.meter.push(pass.correction.clone());
@@ -238,7 +239,7 @@ impl<'a> Run<'a> {
             let write = |out: &mut dyn Write| out.write_all(lines.as_bytes()).map_err(|source| target.failed(&source));
             target.stage(interrupt, write)?.persist()?;
         }
-        self.output.finish()?;
+        self.output.finish(self.shot, interrupt)?;
         self.journal.remove()?;
         print(&if self.is_json { totals } else { words })?;
         Ok(if clean { Outcome::Clean } else { Outcome::Remaining })

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     fs::{self, File, OpenOptions},
     io,
-    ops::RangeInclusive,
+    ops::{Range, RangeInclusive},
     os::unix::fs::{FileExt, MetadataExt},
     path::{Path, PathBuf},
 };
@@ -13,7 +13,7 @@ use untangled_mesh_io::{Pattern, VertexCache};
 
 use super::journal::{Entry, beside};
 use crate::cli::{
-    fix::Target,
+    fix::{Interrupt, Target},
     sequence::{error::SequenceError, shot::Shot},
 };
 
@@ -40,6 +40,8 @@ pub(super) struct OneFile {
     header: Vec<u8>,
     first: u64,
     frame_size: usize,
+    /// Whether it becomes a layer of USD, which is written at the end.
+    is_layer: bool,
 }
 
 impl Output {
@@ -47,7 +49,13 @@ impl Output {
     pub(super) fn new(shot: &Shot, out: &Path, overwrite: bool, inputs: &[PathBuf]) -> Result<Self, SequenceError> {
         let error = |reason: &str| SequenceError::Target { path: out.to_path_buf(), reason: reason.to_owned() };
         let kind = |path: &Path| path.extension().map(|kind| kind.to_string_lossy().to_ascii_lowercase());
-        if kind(out) != kind(shot.cache.path()) || Pattern::is_meant_by(out) != shot.cache.pattern().is_some() {
+        let is_layer = shot.cache.is_usd();
+        if is_layer && !matches!(kind(out).as_deref(), Some("usda" | "usd")) {
+            return Err(error("what goes over a stage of USD is written as text, .usda"));
+        }
+        if !is_layer && kind(out) != kind(shot.cache.path())
+            || Pattern::is_meant_by(out) != shot.cache.pattern().is_some()
+        {
             return Err(error(
                 "must be of the format of the cache: .pc2, .mdd, or numbered meshes by a pattern with #",
             ));
@@ -66,7 +74,7 @@ impl Output {
         let open = || OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&partial);
         let file = open().map_err(|source| failed(&partial, &source))?;
         let header = shot.cache.header(&shot.part);
-        Ok(Self::One(OneFile { target, partial, file, header, first: *shot.part.start(), frame_size }))
+        Ok(Self::One(OneFile { target, partial, file, header, first: *shot.part.start(), frame_size, is_layer }))
     }
 
     /// The journal beside it. Parts that are numbered files have one each.
@@ -163,8 +171,12 @@ impl Output {
     }
 
     /// Puts the whole at its place.
-    pub(super) fn finish(&self) -> Result<(), SequenceError> {
-        let Self::One(OneFile { target, partial, file, .. }) = self else { return Ok(()) };
+    pub(super) fn finish(&self, shot: &Shot, interrupt: &Interrupt) -> Result<(), SequenceError> {
+        let Self::One(one) = self else { return Ok(()) };
+        if one.is_layer {
+            return one.finish_layer(shot, interrupt);
+        }
+        let OneFile { target, partial, file, .. } = one;
         let finish = || {
             file.sync_all()?;
             if !target.overwrite {
@@ -181,6 +193,41 @@ impl Output {
 impl OneFile {
     fn offset(&self, frame: u64) -> u64 {
         self.header.len() as u64 + (frame - self.first) * self.frame_size as u64
+    }
+
+    /// Writes the layer of all frames, and reads it back.
+    fn finish_layer(&self, shot: &Shot, interrupt: &Interrupt) -> Result<(), SequenceError> {
+        let Self { target, partial, file, .. } = self;
+        let mut read = |frame: u64, vertices: Range<usize>| {
+            let mut bytes = vec![0; 12 * vertices.len()];
+            file.read_exact_at(&mut bytes, self.offset(frame) + 12 * vertices.start as u64)?;
+            Ok(bytes)
+        };
+        let staged = target.stage(interrupt, |out| {
+            let write = shot.cache.write_layer(&target.place, &shot.part, &mut read, out);
+            write.map_err(|source| target.failed(&source))
+        })?;
+        self.read_back(shot, staged.path())?;
+        staged.persist()?;
+        fs::remove_file(partial).map_err(|source| failed(partial, &source))
+    }
+
+    /// Compares what a layer brings about with the frames that were certified.
+    fn read_back(&self, shot: &Shot, layer: &Path) -> Result<(), SequenceError> {
+        let (_, back) = VertexCache::open_usd(layer, &shot.prim)?;
+        for (frame, read) in shot.part.clone().zip(back.frames()) {
+            let mut bytes = vec![0; self.frame_size];
+            let source = self.file.read_exact_at(&mut bytes, self.offset(frame));
+            source.map_err(|source| failed(&self.partial, &source))?;
+            let (meant, read) = (shot.cache.decode(frame, bytes)?, back.read(read)?);
+            let is_same = |(a, b): (&[f64; 3], &[f64; 3])| a.map(f64::to_bits) == b.map(f64::to_bits);
+            if meant.positions().len() != read.positions().len()
+                || !meant.positions().iter().zip(read.positions()).all(is_same)
+            {
+                return Err(SequenceError::ReadBack { path: self.target.path.clone(), frame });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -215,12 +262,5 @@ fn failed(path: &Path, source: &io::Error) -> SequenceError {
 
 /// All files of caches.
 pub(super) fn files_of<'c>(caches: impl Iterator<Item = &'c VertexCache>) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for cache in caches {
-        match cache.pattern() {
-            Some(pattern) => files.extend(cache.frames().map(|frame| pattern.file(frame))),
-            None => files.push(cache.path().to_path_buf()),
-        }
-    }
-    files
+    caches.flat_map(VertexCache::files).collect()
 }

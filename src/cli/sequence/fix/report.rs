@@ -19,6 +19,9 @@ pub(super) struct FrameLine {
     schema: &'static str,
     /// Its number: in the name of its file, or from 0.
     frame: u64,
+    /// Its time code in USD.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_code: Option<f64>,
     /// What is in the input.
     before: Counts,
     /// What is in the output, read back.
@@ -41,7 +44,7 @@ pub(super) struct FrameLine {
 }
 
 impl FrameLine {
-    pub(super) fn new(frame: u64, pass: &Pass) -> Self {
+    pub(super) fn new(frame: u64, time_code: Option<f64>, pass: &Pass) -> Self {
         let Judgement { counts: after, gap } = pass.after.clone();
         let gap = gap.map(|gap| GapReport {
             num_pairs_below_before: pass.before.gap.as_ref().map(|before| before.num_pairs_below),
@@ -50,6 +53,7 @@ impl FrameLine {
         Self {
             schema: SCHEMA,
             frame,
+            time_code,
             before: pass.before.counts.clone(),
             clean: pass.after.is_clean(),
             clean_before: pass.before.is_clean(),
