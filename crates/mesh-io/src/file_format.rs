@@ -13,7 +13,7 @@ pub enum FileFormat {
     Gltf,
     /// STL, ascii or binary.
     Stl,
-    /// USD, as text, binary or an archive. Its meshes are read by [`VertexCache::open_usd`](crate::VertexCache::open_usd).
+    /// USD, as text, binary or an archive, whose meshes [`VertexCache::open_usd`](crate::VertexCache::open_usd) reads.
     Usd,
 }
 

@@ -1,5 +1,5 @@
-//! Mesh files in and out: OBJ, PLY, STL and glTF; vertex caches: PC2, MDD and numbered meshes; shots in USD; intersection
-//! paths as lines.
+//! Mesh files in and out: OBJ, PLY, STL and glTF; vertex caches: PC2, MDD and numbered meshes; shots in USD;
+//! intersection paths as lines.
 //!
 //! - Nothing is merged, reordered or dropped. Vertex `k` of a file is vertex `k` of the mesh; polygons stay polygons in
 //!   the file and are split into triangles only for the analysis. Positions are kept in double precision. STL alone has

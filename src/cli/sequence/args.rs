@@ -20,8 +20,8 @@ pub struct CacheArgs {
     /// they are
     #[arg(long = "body-cache", value_name = "IN", requires = FRAMES)]
     pub body_caches: Vec<PathBuf>,
-    /// A part of the frames, both ends included: numbers as in the names of numbered files, from 0 in .pc2 and .mdd, time
-    /// codes in USD (from 0 where these are not whole numbers in a row)
+    /// A part of the frames, both ends included: numbers as in the names of numbered files, from 0 in .pc2 and .mdd,
+    /// time codes in USD (from 0 where these are not whole numbers in a row)
     #[arg(long, value_name = "A..B", requires = FRAMES)]
     pub frames: Option<FrameRange>,
 }

@@ -89,7 +89,8 @@ def mesh_of(stage, prim):
 
 
 def points(stage, prim, cache):
-    attribute = mesh_of(Usd.Stage.Open(stage), prim).GetPointsAttr()
+    stage = Usd.Stage.Open(stage)
+    attribute = mesh_of(stage, prim).GetPointsAttr()
     times = attribute.GetTimeSamples()
     assert times == [float(number + 1) for number in range(len(times))], times
     frames = [numpy.array(attribute.Get(time), "<f4") for time in times]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, RowVector4, Vector4};
 
 /// Bits of a coordinate in the world that a grid of local coordinates leaves for the error of its transform.
 const SPARE_BITS: i32 = 7;
@@ -21,7 +21,7 @@ impl Place {
     /// Nothing for a transform that can't be inverted, or that is none of points.
     pub(crate) fn new(vertices: Range<usize>, to_world: Matrix4<f64>) -> Option<Self> {
         let from_world = to_world.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()))?;
-        let is_affine = to_world.row(3).iter().zip([0.0, 0.0, 0.0, 1.0]).all(|(a, b): (&f64, f64)| *a == b);
+        let is_affine = to_world.row(3) == RowVector4::new(0.0, 0.0, 0.0, 1.0);
         let is_identity = to_world == Matrix4::identity();
         is_affine.then_some(Self { vertices, to_world, from_world, is_identity })
     }
@@ -66,6 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[expect(clippy::float_cmp, reason = "what is stored and read is the same number")]
     fn point_that_was_stored_and_read_is_stored_as_what_it_was() {
         let mut matrix = Matrix4::new_rotation(nalgebra::Vector3::new(0.3, 1.1, -0.7)) * 0.01;
         matrix[(3, 3)] = 1.0;

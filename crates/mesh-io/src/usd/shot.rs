@@ -167,7 +167,7 @@ fn times(stage: &Stage, meshes: &[StageMesh]) -> Result<Vec<f64>, UsdError> {
 /// without a gap, else from 0.
 fn first_number(times: &[f64]) -> u64 {
     let Some(&first) = times.first() else { return 0 };
-    let is_numbered = (0u32..).zip(times).all(|(index, time)| *time - first == f64::from(index));
+    let is_numbered = (0u32..).zip(times).all(|(index, time)| (*time - first).to_bits() == f64::from(index).to_bits());
     if !is_numbered || first.fract() != 0.0 || !(0.0..=9e15).contains(&first) {
         return 0;
     }

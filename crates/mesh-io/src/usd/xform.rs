@@ -169,10 +169,10 @@ impl Kind {
 /// Quarter turns are exact.
 fn turn(axis: u8, degrees: f64) -> Matrix4<f64> {
     let (sin, cos) = match degrees.rem_euclid(360.0) {
-        turns if turns == 0.0 => (0.0, 1.0),
-        turns if turns == 90.0 => (1.0, 0.0),
-        turns if turns == 180.0 => (0.0, -1.0),
-        turns if turns == 270.0 => (-1.0, 0.0),
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
         _ => (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians())),
     };
     let matrix = match axis {

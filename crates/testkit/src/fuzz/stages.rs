@@ -60,16 +60,16 @@ pub(super) fn text(rng: &mut ChaCha8Rng) -> Vec<u8> {
     };
     let op = place.split(' ').nth(1).and_then(|name| name.split('.').next()).unwrap_or_default();
     let mesh = format!(
-        "def Mesh \"cloth\" {} {{ int[] faceVertexCounts = [{}]\n int[] faceVertexIndices = [{}]\n point3f[] {points}\n \
-         {place}\n uniform token[] xformOpOrder = [\"{op}\"] }}",
+        "def Mesh \"cloth\" {} {{ int[] faceVertexCounts = [{}]\n int[] faceVertexIndices = [{}]\n \
+         point3f[] {points}\n {place}\n uniform token[] xformOpOrder = [\"{op}\"] }}",
         metadata(rng),
         vec!["3"; faces.len()].join(", "),
         corners.join(", ")
     );
     let root = ["", "(metersPerUnit = 0.01)", "(subLayers = [])", "(defaultPrim = \"world\")"][rng.random_range(0..4)];
     format!(
-        "#usda 1.0\n{root}\ndef Xform \"world\" {} {{ # a comment\n {mesh}\n variantSet \"size\" = {{ \"a\" {{ }} }} }}\n\
-         def \"source\" {{ def Mesh \"flap\" {} {{ }} }}\nclass \"class\" {{ }}\n",
+        "#usda 1.0\n{root}\ndef Xform \"world\" {} {{ # a comment\n {mesh}\n variantSet \"size\" \
+         = {{ \"a\" {{ }} }} }}\ndef \"source\" {{ def Mesh \"flap\" {} {{ }} }}\nclass \"class\" {{ }}\n",
         metadata(rng),
         metadata(rng)
     )

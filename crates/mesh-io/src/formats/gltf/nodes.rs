@@ -1,6 +1,6 @@
 //! The nodes of a scene and their transforms.
 
-use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4};
 
 use crate::error::ReadErrorKind;
 
@@ -46,4 +46,10 @@ fn matrix_of(node: &Node) -> Matrix4<f64> {
     Translation3::from(translation).to_homogeneous()
         * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).to_homogeneous()
         * Matrix4::new_nonuniform_scaling(&Vector3::from(scale))
+}
+
+/// A stored position in the world.
+pub(crate) fn to_world(transform: &Matrix4<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let world = transform * Vector4::new(x, y, z, 1.0);
+    [world.x, world.y, world.z]
 }

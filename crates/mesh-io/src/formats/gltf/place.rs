@@ -5,6 +5,8 @@ use nalgebra::{Matrix4, RowVector4, Vector4};
 use super::{
     data::accessor::{self, Component},
     document::{Accessor, Document},
+    nodes::to_world,
+    rest::Rest,
     usage::{Bytes, Usage, Use},
 };
 
@@ -26,14 +28,15 @@ impl Place {
         usage: &Usage,
         compression: Option<&str>,
         [node, index]: [usize; 2],
-        to_world: &Matrix4<f64>,
+        rest: &Rest,
     ) -> Result<Self, String> {
+        let to_world = &rest.to_world;
         if let Some(name) = compression {
             return Err(format!("the document uses {name}"));
         }
         let (number, node) = (node, &document.nodes[node]);
-        if node.skin.is_some() {
-            return Err(format!("node {number} is skinned"));
+        if let Some(reason) = &rest.fixed {
+            return Err(reason.clone());
         }
         if node.extensions.instancing.is_some() {
             return Err(format!("node {number} is instanced"));
@@ -75,12 +78,6 @@ impl Place {
     pub(crate) fn read_back(&self, stored: [f32; 3]) -> [f64; 3] {
         to_world(&self.to_world, stored.map(f64::from))
     }
-}
-
-/// A stored position in the world.
-pub(crate) fn to_world(transform: &Matrix4<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    let world = transform * Vector4::new(x, y, z, 1.0);
-    [world.x, world.y, world.z]
 }
 
 /// The bytes of positions that are plain singles; `None` without a buffer.

@@ -18,8 +18,9 @@ use super::{
     data::{Budget, Buffers, accessor::Accessors},
     document::{self, Document, Primitive},
     json::Spans,
-    nodes::placed_nodes,
-    place::{Place, to_world},
+    nodes::{placed_nodes, to_world},
+    place::Place,
+    rest::Rest,
     usage::Usage,
     write::{Block, GltfDocument},
 };
@@ -41,8 +42,10 @@ pub(crate) fn parse(source: Vec<u8>, folder: &Path) -> Result<(MeshData, GltfDoc
         blocks: Vec::new(),
         parts: PartBuilder::default(),
     };
-    for (node, transform) in placed_nodes(&document)? {
-        builder.node(node, &transform)?;
+    let placed = placed_nodes(&document)?;
+    let transforms = placed.iter().copied().collect();
+    for (node, _) in placed {
+        builder.node(node, &transforms)?;
     }
     let Builder { mut data, blocks, parts, .. } = builder;
     data.parts = parts.finish(data.polygons.len(), data.positions.len());
@@ -76,7 +79,7 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Adds the mesh of a node, if it has one.
-    fn node(&mut self, node: usize, transform: &Matrix4<f64>) -> Result<(), ReadErrorKind> {
+    fn node(&mut self, node: usize, placed: &HashMap<usize, Matrix4<f64>>) -> Result<(), ReadErrorKind> {
         let Some(mesh) = self.document.nodes[node].mesh else { return Ok(()) };
         let (number, mesh) = (mesh.0, &self.document.meshes[mesh.0]);
         let name = |kind, name: &Option<String>| name.as_deref().map(|name| PartName { kind, name: name.into() });
@@ -85,6 +88,7 @@ impl Builder<'_> {
         self.parts.rename(self.data.polygons.len(), self.data.positions.len(), |part| {
             (part.outer, part.inner) = (outer, inner);
         });
+        let rest = Rest::of(node, placed, self.accessors, &mut self.budget)?;
         // The first vertex of each accessor of positions that this node uses. Never iterated.
         let mut first_vertices: HashMap<usize, usize> = HashMap::new();
         for (at, primitive) in mesh.primitives.iter().enumerate() {
@@ -103,11 +107,11 @@ impl Builder<'_> {
             let first_vertex = match first_vertices.get(&accessor) {
                 Some(&first) => first,
                 None => {
-                    let vertices = self.positions(accessor, transform, &name)?;
+                    let vertices = self.positions(accessor, &rest, primitive, &name)?;
                     let first = vertices.start;
                     first_vertices.insert(accessor, first);
                     let place =
-                        Place::new(self.document, &self.usage, self.accessors.compression, [node, accessor], transform);
+                        Place::new(self.document, &self.usage, self.accessors.compression, [node, accessor], &rest);
                     self.blocks.push(Block { vertices, place });
                     first
                 }
@@ -121,13 +125,16 @@ impl Builder<'_> {
     fn positions(
         &mut self,
         accessor: usize,
-        transform: &Matrix4<f64>,
+        rest: &Rest,
+        primitive: &Primitive,
         name: &str,
     ) -> Result<Range<usize>, ReadErrorKind> {
         let first = self.data.positions.len();
         self.budget.take(self.accessors.count(accessor)?, POSITION)?;
-        for stored in self.accessors.read::<3>(accessor)? {
-            let position = to_world(transform, stored);
+        let mut stored = self.accessors.read::<3>(accessor)?;
+        let is_in_world = rest.apply(primitive, name, &mut stored, self.accessors, &mut self.budget)?;
+        for stored in stored {
+            let position = if is_in_world { stored } else { to_world(&rest.to_world, stored) };
             if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
                 let element = format!("{name}, vertex {}", self.data.positions.len() - first);
                 return Err(ReadErrorKind::NotFinite { element, value });

@@ -57,7 +57,7 @@ pub(in crate::usd) struct Layer {
 
 #[derive(Debug)]
 enum Format {
-    Binary(BinaryLayer),
+    Binary(Box<BinaryLayer>),
     Text(TextLayer),
 }
 
@@ -132,7 +132,7 @@ fn open(address: &mut Address) -> Result<Format, Fault> {
     }
     let start = start(&source)?;
     if binary::is_binary(&start) {
-        BinaryLayer::read(source).map(Format::Binary)
+        BinaryLayer::read(source).map(|layer| Format::Binary(Box::new(layer)))
     } else if text::is_text(&start) {
         TextLayer::read(source).map(Format::Text)
     } else {

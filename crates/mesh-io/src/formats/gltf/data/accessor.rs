@@ -78,6 +78,16 @@ impl<'a> Accessors<'a> {
         self.collect(index, N * size, [0.0; N], element)
     }
 
+    /// Reads matrices of 4 x 4 singles, column by column.
+    pub(crate) fn read_matrices(self, index: usize) -> Result<Vec<[f64; 16]>, ReadErrorKind> {
+        let accessor = &self.document.accessors[index];
+        if accessor.shape != "MAT4" || Component::parse(accessor.component_type.0) != Some(Component::F32) {
+            return Err(malformed(index, "does not hold matrices"));
+        }
+        let element = |bytes: &[u8]| std::array::from_fn(|k| decode(&bytes[4 * k..4 * k + 4], Component::F32, false));
+        self.collect(index, 64, [0.0; 16], element)
+    }
+
     /// Reads indices.
     pub(crate) fn read_indices(self, index: usize) -> Result<Vec<usize>, ReadErrorKind> {
         match element(&self.document.accessors[index]) {

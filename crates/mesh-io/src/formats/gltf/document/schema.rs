@@ -57,6 +57,7 @@ pub(crate) struct Node {
     pub(crate) translation: Option<[Single; 3]>,
     pub(crate) rotation: Option<[Single; 4]>,
     pub(crate) scale: Option<[Single; 3]>,
+    pub(crate) weights: Option<Vec<Single>>,
     #[serde(default)]
     pub(crate) extensions: NodeExtensions,
 }
@@ -76,6 +77,8 @@ pub(crate) struct Mesh {
     pub(crate) name: Option<String>,
     #[serde(default)]
     pub(crate) primitives: Vec<Primitive>,
+    #[serde(default)]
+    pub(crate) weights: Vec<Single>,
 }
 
 /// Points, lines or triangles. Attributes are accessors by name.
@@ -184,6 +187,8 @@ pub(crate) struct Image {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase", expecting = "a skin is an object")]
 pub(crate) struct Skin {
+    #[serde(default)]
+    pub(crate) joints: Vec<Count>,
     pub(crate) inverse_bind_matrices: Option<Count>,
 }
 

@@ -159,17 +159,21 @@ impl<'b> Lexer<'b> {
 
     /// Skips a value: a token, or all up to the bracket that closes it.
     pub(super) fn skip_value(&mut self) -> Result<(), Fault> {
-        let mut depth = 0usize;
+        let mut open = Vec::new();
         loop {
             match self.next()? {
-                Token::Sign(b'(' | b'[' | b'{') => depth += 1,
-                Token::Sign(b')' | b']' | b'}') => {
-                    depth = depth.checked_sub(1).ok_or_else(|| self.fault("a value is needed here"))?;
-                }
+                Token::Sign(b'(') => open.push(b')'),
+                Token::Sign(b'[') => open.push(b']'),
+                Token::Sign(b'{') => open.push(b'}'),
+                Token::Sign(sign @ (b')' | b']' | b'}')) => match open.pop() {
+                    Some(needed) if needed == sign => {}
+                    Some(needed) => return Err(self.fault(format!("`{}` is needed here", char::from(needed)))),
+                    None => return Err(self.fault("a value is needed here")),
+                },
                 Token::End => return Err(self.fault("ends within a value")),
                 _ => {}
             }
-            if depth == 0 {
+            if open.is_empty() {
                 return Ok(());
             }
         }

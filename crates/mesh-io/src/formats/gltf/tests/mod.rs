@@ -1,5 +1,7 @@
 //! glTF documents as text: read, refused, and written back.
 
+mod rest;
+
 use std::path::Path;
 
 use super::{container::Chunks, parse};
