@@ -27,6 +27,8 @@ def test_check_lists_paths_draws_them_and_marks_vertices(scene):
     scene.bpy.context.view_layer.objects.active = above
     above.location.z = 1
     scene.bpy.context.view_layer.update()
+    scene.ops.fix()
+    assert found.summary == "clean: nothing had to move" and not overlay.shown()
     scene.ops.check()
     assert found.summary == "clean: nothing intersects" and not found.paths and not overlay.shown()
     assert "Untangled inside" not in above.vertex_groups

@@ -72,6 +72,7 @@ def test_findings_list_paths_with_objects_places_and_segments():
     assert found and found[0].objects == "below, above" and found[0].length >= found[-1].length
     assert abs(found[0].centre[1] - 0.21) < 0.03, "a centre is in Blender's units"
     segments = findings.segments_by_type(found)
+    assert findings.LEGEND.keys() == findings.COLOURS.keys()
     assert set(segments) <= set(findings.COLOURS) and all(len(ends) % 2 == 0 for ends in segments.values())
     wrong = findings.wrong_vertices(world, analysis, 1)
     assert len(wrong) and (standing()[0][wrong, 2] < 0.02).all()

@@ -2,7 +2,7 @@
 
 import bpy
 
-from .plain.findings import COLOURS
+from .plain.findings import LEGEND
 from .sheets import is_body
 
 
@@ -54,7 +54,9 @@ class Panel(bpy.types.Panel):
             row = layout.row()
             row.operator("untangled.curves")
             row.operator("untangled.clear")
-            layout.label(text="Colours: " + ", ".join(COLOURS))
+            column = layout.column(align=True)
+            for kind, colour in LEGEND.items():
+                column.label(text=f"{kind}: {colour}")
 
 
 CLASSES = PathList, Panel

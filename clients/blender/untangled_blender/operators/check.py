@@ -117,11 +117,19 @@ class ClearOperator(bpy.types.Operator):
 CLASSES = CheckOperator, JumpOperator, ClearOperator
 
 
+@bpy.app.handlers.persistent
+def forget(*_):
+    """What was found in one file says nothing of the next."""
+    show(bpy.context, [], "")
+
+
 def register():
     for found in CLASSES:
         bpy.utils.register_class(found)
+    bpy.app.handlers.load_post.append(forget)
 
 
 def unregister():
+    bpy.app.handlers.load_post.remove(forget)
     for found in reversed(CLASSES):
         bpy.utils.unregister_class(found)

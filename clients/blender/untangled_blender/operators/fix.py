@@ -6,6 +6,7 @@ from .. import keys
 from ..plain.solve import repair, verdict
 from ..plain.world import Unusable, World
 from ..sheets import is_body, metres, num_deforming, selected, sheet, up_to
+from .check import show
 from .jobs import Job
 
 ROUNDS = 4
@@ -34,7 +35,13 @@ class FixOperator(Job, bpy.types.Operator):
                     raise Unusable(f"{obj.name}: {what} moves its vertices: repair the shot, or the start state")
         ends = {obj: num_deforming(obj) for obj in objects if not is_body(obj)}
         words = yield from fixed(context, objects, ends, context.scene.untangled.gap)
-        self.report({"INFO" if words.startswith("clean") else "WARNING"}, words)
+        tell(self, context, words, words.startswith("clean"))
+
+
+def tell(operator, context, words, clean):
+    """Says how a repair ended. Paths that were found before it are drawn no more."""
+    show(context, [], words)
+    operator.report({"INFO" if clean else "WARNING"}, words)
 
 
 def fixed(context, objects, ends, gap):

@@ -15,6 +15,7 @@ import untangled_cloth as untangled
 from ..plain import caches, child
 from ..plain.world import Unusable
 from ..sheets import is_body, num_deforming, selected, up_to
+from .fix import tell
 from .jobs import Job
 from .sampling import Samples
 
@@ -62,7 +63,7 @@ class ShotOperator(Job, bpy.types.Operator):
             totals = yield from self._repaired(context, samples, last + 1 - first)
             self._keep(samples, ends, first)
         words = f"{totals['num_clean_frames']} of {totals['num_frames']} frames are clean, "
-        self.report({"INFO" if totals["clean"] else "WARNING"}, words + f"{totals['num_clean_frames_before']} were")
+        tell(self, context, words + f"{totals['num_clean_frames_before']} were", totals["clean"])
 
     def _folder(self):
         if self.folder.startswith("//") and not bpy.data.filepath:

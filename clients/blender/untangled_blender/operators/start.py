@@ -4,7 +4,7 @@ import bpy
 
 from ..plain.world import Unusable
 from ..sheets import is_body, num_deforming, selected
-from .fix import fixed
+from .fix import fixed, tell
 from .jobs import Job
 
 
@@ -30,7 +30,7 @@ class StartOperator(Job, bpy.types.Operator):
         ends = {obj: min(num_deforming(obj), index(obj, modifier)) for obj, modifier in simulations.items()}
         gap = context.scene.untangled.gap or max((own_gap(modifier) for modifier in simulations.values()), default=0.0)
         words = yield from fixed(context, objects, ends, gap)
-        self.report({"INFO" if words.startswith("clean") else "WARNING"}, f"gap of {gap:.4g}: {words}")
+        tell(self, context, f"gap of {gap:.4g}: {words}", words.startswith("clean"))
 
 
 def simulation(obj):

@@ -16,7 +16,17 @@ COLOURS: Dict[str, Tuple[float, float, float]] = {
     "BI": (0.35, 0.45, 1.00),
     "II": (0.85, 0.35, 0.95),
 }
-"""A colour for each type of path, as its legend shows it."""
+"""A colour for each type of path."""
+LEGEND = {
+    "CLOSED": "red",
+    "LL": "orange",
+    "BLI": "yellow",
+    "BLB": "green",
+    "BB": "light blue",
+    "BI": "blue",
+    "II": "violet",
+}
+"""The same in words."""
 
 
 @dataclass
