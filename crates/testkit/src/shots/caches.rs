@@ -47,8 +47,8 @@ pub fn usda(frames: &[Sheet]) -> String {
     let samples = (1..).zip(frames).map(|(time, sheet)| format!("            {time}: {},\n", points(sheet)));
     format!(
         "#usda 1.0\n(\n    defaultPrim = \"garment\"\n    metersPerUnit = 1\n)\n\ndef Xform \"garment\"\n{{\n    \
-         def Mesh \"cloth\"\n    {{\n        int[] faceVertexCounts = [{}]\n        int[] faceVertexIndices = [{}]\n        \
-         point3f[] points.timeSamples = {{\n{}        }}\n    }}\n}}\n",
+         def Mesh \"cloth\"\n    {{\n        int[] faceVertexCounts = [{}]\n        \
+         int[] faceVertexIndices = [{}]\n        point3f[] points.timeSamples = {{\n{}        }}\n    }}\n}}\n",
         vec!["3"; faces.len()].join(", "),
         corners.join(", "),
         samples.collect::<String>()

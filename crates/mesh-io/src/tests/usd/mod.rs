@@ -105,7 +105,8 @@ fn layer_over_a_stage_says_points_alone_and_brings_in_the_stage() {
         let head = format!(
             "#usda 1.0\n(\n    defaultPrim = \"world\"\n    metersPerUnit = 0.5\n    timeCodesPerSecond = 24\n    \
              upAxis = \"Z\"\n    subLayers = [\n        @./{}@\n    ]\n)\n\nover \"world\"\n{{\n\n    \
-             over \"cloth\"\n    {{\n        point3f[] points.timeSamples = {{\n            5: [(0, 0, 0.875), (1, 0, 0.875), ",
+             over \"cloth\"\n    {{\n        point3f[] points.timeSamples = {{\n            \
+             5: [(0, 0, 0.875), (1, 0, 0.875), ",
             file.0
         );
         assert!(text.starts_with(&head), "{text}");

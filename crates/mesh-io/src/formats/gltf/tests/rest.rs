@@ -16,7 +16,10 @@ fn skinned() -> (Value, Vec<u8>) {
     inverse[14] = -5.0;
     bytes.extend([inverse; 2].as_flattened().iter().flat_map(|value| value.to_le_bytes()));
     let view = |start: usize, length: usize| json!({"buffer": 0, "byteOffset": start, "byteLength": length});
-    let accessor = |view: usize, kind: usize, count: usize, shape: &str| json!({"bufferView": view, "componentType": kind, "count": count, "type": shape, "min": [0, 0, 0], "max": [1, 1, 0]});
+    let accessor = |view: usize, kind: usize, count: usize, shape: &str| {
+        let [min, max] = [[0, 0, 0], [1, 1, 0]];
+        json!({"bufferView": view, "componentType": kind, "count": count, "type": shape, "min": min, "max": max})
+    };
     let document = json!({
         "asset": {"version": "2.0"},
         "scenes": [{"nodes": [0, 1, 2]}],
