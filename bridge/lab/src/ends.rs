@@ -115,6 +115,14 @@ impl Process {
         }
     }
 
+    /// Processor time so far in ticks of 10 ms.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.0.id())).unwrap_or_default();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+        [11, 12].iter().filter_map(|&k| fields.get(k)?.parse::<u64>().ok()).sum()
+    }
+
     /// Resident memory in bytes, without the shared memory that it has mapped.
     #[must_use]
     pub fn memory(&self) -> u64 {

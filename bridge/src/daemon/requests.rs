@@ -1,6 +1,9 @@
 //! Requests of hosts: each is passed on to the daemon, and a registration opens a link.
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::{Arc, atomic::Ordering},
+    time::Duration,
+};
 
 use untangled_client::RequestError;
 use untangled_proto::{PROTOCOL_VERSION, RequestKind, Status};
@@ -164,6 +167,7 @@ fn open(
         });
     match opened {
         Ok(link) => {
+            shared.has_new_link.store(true, Ordering::Relaxed);
             static OPENED: Throttle = Throttle::new();
             if let Some(num_suppressed) = OPENED.admit() {
                 let num_vertices = shape.num_vertices;

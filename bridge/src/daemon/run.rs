@@ -53,6 +53,7 @@ pub fn run(options: &Options, shutdown: &AtomicBool, ready: impl FnOnce()) -> Re
         domain: options.domain.clone(),
         allowed: options.network.hosts.clone(),
         max_request_bytes: options.network.max_message_bytes,
+        has_new_link: AtomicBool::new(false),
         network: net::open(&options.network)?,
     });
     listen(&shared)?;
@@ -69,7 +70,11 @@ pub fn run(options: &Options, shutdown: &AtomicBool, ready: impl FnOnce()) -> Re
     ready();
     while !shutdown.load(Ordering::Relaxed) {
         std::thread::sleep(LONGEST_SLEEP);
-        if watch.ticked.elapsed() >= beacon::INTERVAL || watch.is_changed() {
+        let has_new_link = shared.has_new_link.swap(false, Ordering::Relaxed);
+        if has_new_link {
+            watch.asked = None;
+        }
+        if has_new_link || watch.ticked.elapsed() >= beacon::INTERVAL || watch.is_changed() {
             watch.tick();
         }
     }

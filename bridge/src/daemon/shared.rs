@@ -1,6 +1,6 @@
 //! What the threads of a daemon end share.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, atomic::AtomicBool};
 
 use serde_json::{Value, json};
 use untangled_proto::LIBRARY_VERSION;
@@ -19,6 +19,8 @@ pub(crate) struct Shared {
     /// Names of hosts that may use the daemon; empty for all.
     pub(super) allowed: Vec<String>,
     pub(super) max_request_bytes: usize,
+    /// A session was opened since the daemon was asked how much it has to do.
+    pub(super) has_new_link: AtomicBool,
     pub(super) network: zenoh::Session,
 }
 

@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeMap,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use super::session::Remote;
@@ -11,6 +11,8 @@ use crate::{net::LOST_AFTER, throttle::Throttle, wire::beacon::DaemonBeacon};
 
 /// Most daemon ends that are remembered.
 const MAX_DAEMONS: usize = 256;
+/// A beacon counts a session that was registered so long before it comes.
+const COUNTED_AFTER: Duration = Duration::from_millis(500);
 
 /// The daemon ends that this host end hears of, by name.
 #[derive(Debug, Default)]
@@ -20,8 +22,8 @@ pub(crate) struct Directory(Mutex<BTreeMap<Arc<str>, Known>>);
 struct Known {
     beacon: DaemonBeacon,
     heard: Instant,
-    /// Triangles that were registered there since the last beacon.
-    added_faces: u64,
+    /// Triangles that were registered there, and when: a beacon of about that time may not count them yet.
+    added_faces: Vec<(Instant, u64)>,
 }
 
 impl Known {
@@ -31,6 +33,10 @@ impl Known {
 
     fn serves(&self, now: Instant) -> bool {
         self.is_there(now) && self.beacon.instance != 0
+    }
+
+    fn load(&self) -> u64 {
+        self.beacon.load(self.added_faces.iter().map(|(_, faces)| faces).sum())
     }
 
     fn runs(&self) -> [u64; 2] {
@@ -66,7 +72,8 @@ impl Directory {
         let mut daemons = self.lock();
         if let Some(known) = daemons.get_mut(name) {
             let was = known.serves(now);
-            *known = Known { beacon, heard: now, added_faces: 0 };
+            known.added_faces.retain(|(added, _)| now.duration_since(*added) < COUNTED_AFTER);
+            (known.beacon, known.heard) = (beacon, now);
             let serves = known.serves(now);
             drop(daemons);
             if was != serves {
@@ -76,7 +83,7 @@ impl Directory {
         }
         daemons.retain(|_, known| known.is_there(now));
         if daemons.len() < MAX_DAEMONS {
-            let known = Known { beacon, heard: now, added_faces: 0 };
+            let known = Known { beacon, heard: now, added_faces: Vec::new() };
             let serves = known.serves(now);
             daemons.insert(name.into(), known);
             drop(daemons);
@@ -89,14 +96,14 @@ impl Directory {
         let now = Instant::now();
         let daemons = self.lock();
         let usable = daemons.iter().filter(|(name, known)| known.serves(now) && !tried.contains(name));
-        let (name, known) = usable.min_by_key(|(_, known)| known.beacon.load(known.added_faces))?;
+        let (name, known) = usable.min_by_key(|(_, known)| known.load())?;
         Some((Arc::clone(name), known.runs()))
     }
 
     /// A session of so many triangles goes to a daemon, which does not say so before its next beacon.
     pub(crate) fn add_faces(&self, name: &str, num_faces: u64) {
         if let Some(known) = self.lock().get_mut(name) {
-            known.added_faces += num_faces;
+            known.added_faces.push((Instant::now(), num_faces));
         }
     }
 
@@ -167,6 +174,11 @@ mod tests {
         directory.add_faces("b", 1000);
         assert_eq!(chosen(&[]).as_deref(), Some("a"));
         assert_eq!(chosen(&["a".into()]).as_deref(), Some("b"));
+        // A beacon that was on its way meanwhile does not count it yet; one that comes later does.
+        directory.hear("b", beacon(6, 400));
+        assert_eq!(chosen(&[]).as_deref(), Some("a"));
+        std::thread::sleep(COUNTED_AFTER);
+        directory.hear("a", beacon(5, 1000));
         directory.hear("b", beacon(6, 800));
         assert_eq!(chosen(&[]).as_deref(), Some("b"));
         let remote = |runs| Remote { daemon: "b".into(), runs, session: 1 };

@@ -1,5 +1,5 @@
-//! What the ends say of themselves, four times a second, as JSON: unknown fields are ignored, and missing ones are zero,
-//! so that ends of different versions can read each other's.
+//! What the ends say of themselves, four times a second, as JSON: unknown fields are ignored, and missing ones are
+//! zero, so that ends of different versions can read each other's.
 
 use std::time::Duration;
 

@@ -1,4 +1,5 @@
-//! Wire structs as bytes, and back: they are passed on as they are, so that a field that they gain needs no change here.
+//! Wire structs as bytes, and back: they are passed on as they are, so that a field that they gain needs no change
+//! here.
 
 use untangled_proto::{
     CorrectionHeader, PositionF32, PositionF64, RepairHeader, ReplyHeader, RequestHeader, StateHeader,

@@ -43,7 +43,8 @@ fn main() {
 
 /// Daemons, a bridge to them, and what joins them. Fields are dropped in order: processes before namespaces.
 struct Setting {
-    _ends: Vec<Process>,
+    /// The daemon ends, then the host end.
+    ends: Vec<Process>,
     _daemons: Vec<Process>,
     near_host: TestDomain,
     near_daemons: Vec<TestDomain>,
@@ -94,7 +95,7 @@ impl Setting {
             assert!(begin.elapsed() < PATIENCE, "not all daemons are heard of");
             std::thread::sleep(Duration::from_millis(50));
         }
-        Self { _ends: started, _daemons, near_host, near_daemons, _namespaces: namespaces, words }
+        Self { ends: started, _daemons, near_host, near_daemons, _namespaces: namespaces, words }
     }
 }
 
@@ -115,8 +116,9 @@ fn exchange(session: &mut Session, cloth: &Fold) -> [Duration; 2] {
     [trip, trip.saturating_sub(Duration::from_nanos(answer.header().stage_ns[stage::TOTAL]))]
 }
 
-const HEADS: &str = "| where | frames | median ms | 99 % within ms | longest ms | without the daemon's work: median ms | 99 % \
-                     within ms |\n|---|---|---|---|---|---|---|";
+/// Heads of a table of round trips: all of it, and what is not the daemon's work.
+const HEADS: &str = "| where | frames | median ms | 99 % within ms | longest ms | without work: median ms | 99 % ms |\n\
+                     |---|---|---|---|---|---|---|";
 
 fn row(name: &str, times: &mut [Times; 2]) {
     let [trip, way] = times;
@@ -173,12 +175,17 @@ fn rate(seconds: u64) {
             exchange(&mut session, &LARGE);
         }
         let (begin, mut times) = (Instant::now(), <[Times; 2]>::default());
+        let before: Vec<u64> = setting.ends.iter().map(Process::ticks).collect();
         for frame in 0..60 * seconds {
             let due = begin + Duration::from_micros(frame * 16_667);
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
             add(&mut times, exchange(&mut session, &LARGE));
         }
+        let ticks = setting.ends.iter().zip(before).map(|(end, before)| end.ticks() - before);
+        let cost: Vec<String> =
+            ticks.map(|ticks| format!("{:.2}", 10.0 * ticks as f64 / (60 * seconds) as f64)).collect();
         row(&format!("{name}, 60 frames a second: {}", setting.words), &mut times);
+        println!("processor time of the ends in ms for each frame, daemon end and host end: {}", cost.join(", "));
     }
 }
 
@@ -229,6 +236,11 @@ fn capacity(num_daemons: usize, num_sessions: u64, rate: &str) {
             })
         })
         .collect();
+    let report = setting.near_host.connect().status().unwrap();
+    let places = report["bridge"]["sessions"].as_array().unwrap().iter().map(|session| session["daemon"].to_string());
+    let mut places: Vec<String> = places.collect();
+    places.sort();
+    let shares: Vec<String> = places.chunk_by(|one, next| one == next).map(|chunk| chunk.len().to_string()).collect();
     let (mut times, mut late) = (Times::default(), 0);
     for thread in threads {
         let (own, own_late) = thread.join().unwrap();
@@ -238,7 +250,8 @@ fn capacity(num_daemons: usize, num_sessions: u64, rate: &str) {
     let all = times.len() as u64 + late;
     let [half, most] = [0.5, 0.99].map(|part| times.quantile_ms(part));
     println!(
-        "| {num_daemons} | {rate} | {num_sessions} | {all} | {late} | {half:.2} | {most:.2} | {} |",
+        "| {num_daemons} | {rate} | {num_sessions} ({}) | {all} | {late} | {half:.2} | {most:.2} | {} |",
+        shares.join(" + "),
         setting.words
     );
 }
