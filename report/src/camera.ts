@@ -73,11 +73,12 @@ export class OrbitCamera {
     return radius / Math.sin(Math.atan(Math.tan(half) * narrow));
   }
 
-  /** Looks at a place from not too far away. */
-  lookAt(place: Vector3, radius: number) {
+  /** Looks at what is within a radius of a place, or at a place with its surroundings. */
+  lookAt(place: Vector3, radius: number | null) {
     this.isFitted = false;
     this.target.copy(place);
-    this.distance = Math.min(this.fitting(Math.max(radius * 1.6, this.radius * 0.05)), this.fitting(this.radius));
+    const least = radius === null ? this.radius * 0.2 : Math.max(radius * 1.6, this.radius * 0.05);
+    this.distance = Math.min(this.fitting(least), this.fitting(this.radius));
     this.update();
   }
 

@@ -79,6 +79,9 @@ export function kindLegend(page: PageData, states: State[], view: View): HTMLEle
     const words = kind === "body" ? "vertices inside of a body" : "vertices behind an inner layer";
     rows.push(el("label", { class: "kind" }, el("span", { class: `dot ${kind}`, "aria-hidden": "true" }), words));
   }
+  if (page.mesh.pinned.length > 0) {
+    rows.push(el("label", { class: "kind" }, el("span", { class: "dot pin", "aria-hidden": "true" }), "pinned vertices"));
+  }
   if (rows.length === 0) return el("div");
   return el("fieldset", { class: "legend" }, el("legend", {}, page.sequence ? "Types of paths, in all frames" : "Types of paths"), ...rows);
 }

@@ -59,6 +59,8 @@ function picture(page: PageData, first: State[], sequence: Sequence | null): HTM
     picked = { state, path };
     view.pickPath(state, path, isSought);
     lists.mark(state, path);
+    // On a phone the list is below the picture.
+    if (isSought) view.canvas.scrollIntoView({ block: "nearest" });
     const data = path === null ? undefined : states[state]!.paths[path];
     status.textContent = data ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}` : "";
   };
@@ -79,6 +81,7 @@ function picture(page: PageData, first: State[], sequence: Sequence | null): HTM
       slider?.set(state);
       pick(state, null, false);
       view.lookAtVertex(state, vertex);
+      view.canvas.scrollIntoView({ block: "nearest" });
       status.textContent = vertexWords(page, maps, vertex);
     },
   });

@@ -1,6 +1,6 @@
 // The picture: cloth, paths, and vertices on the wrong side; drawn when something changes, not all the time.
 import {
-  BufferAttribute, BufferGeometry, ColorManagement, LinearSRGBColorSpace, Points, PointsMaterial, Scene, Vector3,
+  BufferAttribute, BufferGeometry, CanvasTexture, ColorManagement, LinearSRGBColorSpace, Points, PointsMaterial, Scene, Vector3,
   WebGLRenderer,
 } from "three";
 
@@ -78,12 +78,19 @@ export class View {
   /** Vertices on the wrong side, and pinned ones. */
   private dotsOf(state: State, pinned: number[]): Points[] {
     const rows: [number[], number, number][] = [[pinned, 0x000000, 5]];
-    for (const wrong of state.wrongSides) rows.push([wrong.vertices, wrong.kind === "body" ? 0xa000a0 : 0x006400, 6]);
+    // Discs inside of a body, squares behind a layer.
+    for (const wrong of state.wrongSides) {
+      rows.push(wrong.kind === "body" ? [wrong.vertices, 0xa000a0, 8] : [wrong.vertices, 0x006400, 6]);
+    }
     return rows.filter(([vertices]) => vertices.length > 0).map(([vertices, colour, size]) => {
       const geometry = new BufferGeometry();
       const places = new Float32Array(vertices.flatMap((vertex) => [...placeOf(state, vertex)]));
       geometry.setAttribute("position", new BufferAttribute(places, 3));
       const material = new PointsMaterial({ color: colour, size, sizeAttenuation: false, depthTest: vertices === pinned });
+      if (size === 8) {
+        material.map = discTexture();
+        material.alphaTest = 0.5;
+      }
       const points = new Points(geometry, material);
       material.userData = { size };
       points.frustumCulled = false;
@@ -127,7 +134,7 @@ export class View {
 
   /** Looks at a vertex of a state. */
   lookAtVertex(state: number, vertex: number) {
-    this.orbit.lookAt(placeOf(this.states[state]!, vertex), 0);
+    this.orbit.lookAt(placeOf(this.states[state]!, vertex), null);
   }
 
   draw() {
@@ -199,6 +206,16 @@ export class View {
     }
     return { path: null, vertex };
   }
+}
+
+function discTexture(): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 32;
+  const g = canvas.getContext("2d")!;
+  g.fillStyle = "#ffffff";
+  g.arc(16, 16, 15, 0, 2 * Math.PI);
+  g.fill();
+  return new CanvasTexture(canvas);
 }
 
 function placeOf(state: State, vertex: number): Vector3 {
