@@ -28,11 +28,14 @@ export class Lists {
       this.element.append(this.pathList(state, number, reasons, jumps));
       for (const section of wrongSides(state, number, jumps)) this.element.append(section);
     });
-    if (blocked.length > 0) this.element.append(blockedList(blocked, (entry) => {
-      const [state, path] = [states.length - 1, this.paths.get(entry)];
-      if (path !== undefined) jumps.path(state, path);
-      else jumps.vertex(state, entry.vertex);
-    }));
+    if (blocked.length > 0)
+      this.element.append(
+        blockedList(blocked, (entry) => {
+          const [state, path] = [states.length - 1, this.paths.get(entry)];
+          if (path !== undefined) jumps.path(state, path);
+          else jumps.vertex(state, entry.vertex);
+        }),
+      );
   }
 
   private pathList(state: State, number: number, reasons: Map<number, BlockedData>, jumps: Jumps): HTMLElement {
@@ -44,9 +47,16 @@ export class Lists {
       for (const path of paths) {
         const data = state.paths[path]!;
         const words = el("span", { class: "words" }, ...pathWords(data, reasons.get(path)?.reason));
-        const button = el("button", {
-          type: "button", "aria-pressed": "false", click: () => jumps.path(number, path),
-        }, sample(kindOf(data.pair_type)), words);
+        const button = el(
+          "button",
+          {
+            type: "button",
+            "aria-pressed": "false",
+            click: () => jumps.path(number, path),
+          },
+          sample(kindOf(data.pair_type)),
+          words,
+        );
         this.entries.set(`${number}/${path}`, button);
         list.append(el("li", {}, button));
       }
@@ -60,7 +70,11 @@ export class Lists {
         add(rest);
         more.remove();
       };
-      more = el("button", { type: "button", class: "more", click: open }, `Show ${counted(rest.length, "shorter path")}`);
+      more = el(
+        "button",
+        { type: "button", class: "more", click: open },
+        `Show ${counted(rest.length, "shorter path")}`,
+      );
       this.openers.push(open);
     } else this.openers.push(() => {});
     const title = `${STATE_WORDS[state.name]} (${state.paths.length.toLocaleString("en")})`;
@@ -92,12 +106,16 @@ function pathWords(data: PathData, reason: string | undefined): (HTMLElement | s
   const inside = data.copies.reduce((sum, copy) => sum + (copy.inside_vertices?.length ?? 0), 0);
   const facts = [
     counted(data.num_segments, "face pair"),
-    data.copies.some((copy) => copy.inside_vertices !== null) ? `${counted(inside, "vertex", "vertices")} inside` : null,
+    data.copies.some((copy) => copy.inside_vertices !== null)
+      ? `${counted(inside, "vertex", "vertices")} inside`
+      : null,
     data.closed ? "closed" : null,
     ...data.ends.map(endWords),
   ].filter((fact) => fact !== null);
   const words: (HTMLElement | string)[] = [
-    el("strong", {}, data.pair_type), ` ${metres(data.length_m)}`, el("small", {}, facts.join("; ")),
+    el("strong", {}, data.pair_type),
+    ` ${metres(data.length_m)}`,
+    el("small", {}, facts.join("; ")),
   ];
   if (reason) words.push(el("small", { class: "reason" }, `Blocked: ${reason}`));
   return words;
@@ -126,11 +144,27 @@ function wrongSides(state: State, number: number, jumps: Jumps): HTMLElement[] {
     const where = wrong.kind === "body" ? "inside of a body" : "behind an inner layer";
     const when = state.name === "check" ? "" : `, ${state.name}`;
     const clusters = [...wrong.clusters].sort((a, b) => b.depth_m - a.depth_m).slice(0, FIRST_ROWS);
-    const entries = clusters.map((cluster) => el("li", {}, el("button", {
-      type: "button", click: () => jumps.vertex(number, cluster.vertex),
-    }, el("span", { class: `dot ${wrong.kind}`, "aria-hidden": "true" }), el("span", { class: "words" },
-      el("strong", {}, counted(cluster.num_vertices, "vertex", "vertices")), ` up to ${metres(cluster.depth_m)} deep`,
-      el("small", {}, `deepest: vertex ${cluster.vertex}`)))));
+    const entries = clusters.map((cluster) =>
+      el(
+        "li",
+        {},
+        el(
+          "button",
+          {
+            type: "button",
+            click: () => jumps.vertex(number, cluster.vertex),
+          },
+          el("span", { class: `dot ${wrong.kind}`, "aria-hidden": "true" }),
+          el(
+            "span",
+            { class: "words" },
+            el("strong", {}, counted(cluster.num_vertices, "vertex", "vertices")),
+            ` up to ${metres(cluster.depth_m)} deep`,
+            el("small", {}, `deepest: vertex ${cluster.vertex}`),
+          ),
+        ),
+      ),
+    );
     const title = `${counted(wrong.vertices.length, "vertex", "vertices")} ${where}${when}`;
     return el("section", { class: "wrong" }, el("h3", {}, title), el("ol", { class: "entries" }, ...entries));
   });
@@ -138,14 +172,32 @@ function wrongSides(state: State, number: number, jumps: Jumps): HTMLElement[] {
 
 function blockedList(blocked: BlockedData[], jump: (entry: BlockedData) => void): HTMLElement {
   const entries = blocked.slice(0, FIRST_ROWS).map((entry) => {
-    const what = entry.pair_type ?? counted(entry.num_vertices_inside_body ?? 0, "vertex", "vertices") + " inside of a body";
+    const what =
+      entry.pair_type ?? counted(entry.num_vertices_inside_body ?? 0, "vertex", "vertices") + " inside of a body";
     const size = entry.pair_type ? metres(entry.length_m) : `up to ${metres(entry.length_m)} deep`;
     const where = `vertex ${entry.vertex_in_file} of ${entry.file}${entry.part ? `, ${entry.part}` : ""}`;
-    return el("li", {}, el("button", { type: "button", click: () => jump(entry) },
-      entry.pair_type ? sample(kindOf(entry.pair_type)) : el("span", { class: "dot body", "aria-hidden": "true" }),
-      el("span", { class: "words" }, el("strong", {}, what), ` ${size}`,
-        el("small", { class: "reason" }, entry.reason), el("small", {}, `at ${where}`))));
+    return el(
+      "li",
+      {},
+      el(
+        "button",
+        { type: "button", click: () => jump(entry) },
+        entry.pair_type ? sample(kindOf(entry.pair_type)) : el("span", { class: "dot body", "aria-hidden": "true" }),
+        el(
+          "span",
+          { class: "words" },
+          el("strong", {}, what),
+          ` ${size}`,
+          el("small", { class: "reason" }, entry.reason),
+          el("small", {}, `at ${where}`),
+        ),
+      ),
+    );
   });
-  return el("section", { class: "blocked" }, el("h3", {}, `Blocked, with reasons (${blocked.length})`),
-    el("ol", { class: "entries" }, ...entries));
+  return el(
+    "section",
+    { class: "blocked" },
+    el("h3", {}, `Blocked, with reasons (${blocked.length})`),
+    el("ol", { class: "entries" }, ...entries),
+  );
 }
