@@ -26,7 +26,11 @@ const script = await build({
   target: ["es2022"],
   define: { __THREE_DEVTOOLS__: "undefined" },
 });
-const style = await build({ ...shared, entryPoints: ["src/page.css"], target: ["chrome120", "firefox121", "safari17"] });
+const style = await build({
+  ...shared,
+  entryPoints: ["src/page.css"],
+  target: ["chrome120", "firefox121", "safari17"],
+});
 const text = script.outputFiles[0].text;
 // The browser would take these for the end of the script, or for a comment.
 for (const end of ["</script", "<!--", "<script"]) {

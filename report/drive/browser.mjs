@@ -12,16 +12,24 @@ export function program() {
 }
 
 /**
- * Opens a page from disk and waits until it is drawn. `complaints` gets what it logs as an error, and every request that
- * is not for the file itself. `processorSeconds` is asked before and after.
+ * Opens a page from disk and waits until it is drawn. `complaints` gets what it logs as an error, and every request
+ * that is not for the file itself. `processorSeconds` is asked before and after.
  */
 export async function open(file, { width, height }, processorSeconds = () => NaN) {
   const browser = await chromium.launch({
     executablePath: program(),
     headless: true,
     // WebGL in software, where there is no graphics card; nothing of the browser's own goes out.
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
-      "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+    args: [
+      "--no-sandbox",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+    ],
   });
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
@@ -45,23 +53,26 @@ export async function open(file, { width, height }, processorSeconds = () => NaN
 /** How many pixels of a screenshot are near each colour (`#rrggbb`): each channel within `within`. */
 export async function countPixels(tab, png, colours, within = 12) {
   const url = `data:image/png;base64,${png.toString("base64")}`;
-  return tab.evaluate(async ({ url, colours, within }) => {
-    const image = new Image();
-    image.src = url;
-    await image.decode();
-    const canvas = new OffscreenCanvas(image.width, image.height);
-    const g = canvas.getContext("2d");
-    g.drawImage(image, 0, 0);
-    const { data } = g.getImageData(0, 0, image.width, image.height);
-    return colours.map((colour) => {
-      const value = parseInt(colour.slice(1), 16);
-      const [r, green, b] = [value >> 16, (value >> 8) & 255, value & 255];
-      let count = 0;
-      for (let i = 0; i < data.length; i += 4) {
-        const far = Math.max(Math.abs(data[i] - r), Math.abs(data[i + 1] - green), Math.abs(data[i + 2] - b));
-        if (far <= within) count += 1;
-      }
-      return count;
-    });
-  }, { url, colours, within });
+  return tab.evaluate(
+    async ({ url, colours, within }) => {
+      const image = new Image();
+      image.src = url;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const g = canvas.getContext("2d");
+      g.drawImage(image, 0, 0);
+      const { data } = g.getImageData(0, 0, image.width, image.height);
+      return colours.map((colour) => {
+        const value = parseInt(colour.slice(1), 16);
+        const [r, green, b] = [value >> 16, (value >> 8) & 255, value & 255];
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) {
+          const far = Math.max(Math.abs(data[i] - r), Math.abs(data[i + 1] - green), Math.abs(data[i + 2] - b));
+          if (far <= within) count += 1;
+        }
+        return count;
+      });
+    },
+    { url, colours, within },
+  );
 }

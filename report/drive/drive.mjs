@@ -1,7 +1,7 @@
 // node drive/drive.mjs PAGE.html [FOLDER]: drives a page in headless Chromium as a reader would, without a mouse where
 // that is the point, and compares what it shows with the JSON inside of it. Prints what it saw as one line of JSON; the
-// first thing that is not as it should be ends it with a line that says so, and exit code 1; without a browser it is 77.
-// Pictures go to FOLDER.
+// first thing that is not as it should be ends it with a line that says so, and exit code 1; without a browser it is
+// 77. Pictures go to FOLDER.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -18,7 +18,8 @@ const seen = { openMs: Math.round(openMs), pixels: {} };
 const canvas = tab.locator(".frame canvas");
 const data = JSON.parse(await tab.locator("#data").textContent());
 const states = data.states.map((state) => ({ ...state, paths: state.paths ?? data.report.paths }));
-const settle = () => tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+const settle = () =>
+  tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 const shot = async (name) => {
   await settle();
   const png = await canvas.screenshot();
@@ -51,7 +52,7 @@ async function legend() {
   const kinds = new Set(all.flatMap((state) => state.paths.map((path) => path.pair_type)));
   const shown = await tab.locator("label.kind[data-kind]").evaluateAll((all) => all.map((one) => one.dataset.kind));
   assert.deepEqual(new Set(shown), kinds, "the legend has the types of the report");
-  const samples = await tab.locator("label.kind[data-kind] canvas.sample").count();
+  const samples = await tab.locator("label.kind[data-kind] img.sample").count();
   assert.equal(samples, kinds.size, "each type has a sample");
 }
 
@@ -59,7 +60,9 @@ async function legend() {
 async function paths() {
   const first = states[0];
   for (const kind of new Set(first.paths.map((path) => path.pair_type))) {
-    const longest = [...first.paths].filter((path) => path.pair_type === kind).sort((a, b) => b.length_m - a.length_m)[0];
+    const longest = [...first.paths]
+      .filter((path) => path.pair_type === kind)
+      .sort((a, b) => b.length_m - a.length_m)[0];
     const entry = tab.locator(`section[data-state="${first.name}"] .entries button`, { hasText: kind }).first();
     await entry.focus();
     await tab.keyboard.press("Enter");
@@ -84,7 +87,10 @@ async function paths() {
     const box = await canvas.boundingBox();
     await tab.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
     const again = await tab.locator(".status").textContent();
-    assert.ok(first.paths.some((path) => again.startsWith(path.pair_type)), `a click chooses a path: ${again}`);
+    assert.ok(
+      first.paths.some((path) => again.startsWith(path.pair_type)),
+      `a click chooses a path: ${again}`,
+    );
     await canvas.focus();
     await tab.keyboard.press("Escape");
     await tab.keyboard.press("Home");
@@ -92,10 +98,13 @@ async function paths() {
 }
 
 async function colourOf(kind) {
-  return tab.locator(`label.kind[data-kind="${kind}"] canvas.sample`).evaluate((sample) => {
+  return tab.locator(`label.kind[data-kind="${kind}"] img.sample`).evaluate(async (sample) => {
+    await sample.decode();
+    const g = new OffscreenCanvas(112, 40).getContext("2d");
+    g.drawImage(sample, 0, 0);
     // The middle of the first dash.
-    const [r, g, b] = sample.getContext("2d").getImageData(10, 20, 1, 1).data;
-    return `#${[r, g, b].map((value) => value.toString(16).padStart(2, "0")).join("")}`;
+    const [r, green, b] = g.getImageData(10, 20, 1, 1).data;
+    return `#${[r, green, b].map((value) => value.toString(16).padStart(2, "0")).join("")}`;
   });
 }
 
@@ -110,7 +119,8 @@ async function slider() {
   assert.equal(await tab.locator("#slider").getAttribute("aria-valuetext"), "after");
   const after = await shot("after");
   // Of a sequence the first frame is shown.
-  const isMoved = data.sequence ? data.sequence.frames[0].line.num_moved_vertices > 0
+  const isMoved = data.sequence
+    ? data.sequence.frames[0].line.num_moved_vertices > 0
     : data.report.distortion.num_moved_vertices > 0;
   assert.ok(!isMoved || !before.equals(after), "the picture changes where the mesh did");
   await tab.keyboard.press("PageDown");
@@ -155,9 +165,16 @@ async function scrubber() {
 
 /** The tables say what the JSON says. */
 async function table() {
-  const counts = [["Triangles", data.report.num_faces], ["Intersecting face pairs", data.report.num_face_pairs ?? data.report.before?.num_face_pairs]];
+  const counts = [
+    ["Triangles", data.report.num_faces],
+    ["Intersecting face pairs", data.report.num_face_pairs ?? data.report.before?.num_face_pairs],
+  ];
   for (const [name, value] of counts.filter(([, value]) => value !== undefined)) {
-    const cell = tab.locator(".tables tr", { has: tab.locator(`th:text-is("${name}")`) }).first().locator("td").first();
+    const cell = tab
+      .locator(".tables tr", { has: tab.locator(`th:text-is("${name}")`) })
+      .first()
+      .locator("td")
+      .first();
     assert.equal(await cell.textContent(), value.toLocaleString("en"), name);
   }
   for (const { name, value } of data.settings) {
@@ -176,10 +193,12 @@ async function keyboard() {
   const reached = new Set();
   for (let i = 0; i < 60; i++) {
     await tab.keyboard.press("Tab");
-    reached.add(await tab.evaluate(() => {
-      const at = document.activeElement;
-      return at.closest(".entries") ? "list" : at.tagName.toLowerCase();
-    }));
+    reached.add(
+      await tab.evaluate(() => {
+        const at = document.activeElement;
+        return at.closest(".entries") ? "list" : at.tagName.toLowerCase();
+      }),
+    );
   }
   const wanted = states.some((state) => state.paths.length > 0) ? ["canvas", "button", "list"] : ["canvas", "button"];
   for (const what of wanted) assert.ok(reached.has(what), `Tab reaches ${what}: ${[...reached]}`);

@@ -1,5 +1,5 @@
-// node drive/look.mjs PAGE.html PICTURE.png [WIDTH HEIGHT [SCRIPT]]: a screenshot of a page in headless Chromium. SCRIPT
-// is run in the page first.
+// node drive/look.mjs PAGE.html PICTURE.png [WIDTH HEIGHT [SCRIPT]]: a screenshot of a page in headless Chromium.
+// SCRIPT is run in the page first.
 import { open } from "./browser.mjs";
 
 const [page, picture, width = "1280", height = "900", script] = process.argv.slice(2);

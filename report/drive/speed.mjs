@@ -52,8 +52,10 @@ for (let run = 0; run < 3; run++) {
     return { frames, seconds: (performance.now() - start) / 1000, heap: performance.memory?.usedJSHeapSize ?? 0 };
   });
   const perFrame = (processorSeconds() - before) / frames;
-  console.log(`${(statSync(file).size / 1e6).toFixed(2)} MB, drawn after ${Math.round(openMs)} ms ` +
-    `(processors ${openProcessorS.toFixed(2)} s), ${(frames / seconds).toFixed(1)} frames a second ` +
-    `(processors ${(1000 * perFrame).toFixed(0)} ms a frame), heap ${(heap / 1e6).toFixed(0)} MB`);
+  console.log(
+    `${(statSync(file).size / 1e6).toFixed(2)} MB, drawn after ${Math.round(openMs)} ms ` +
+      `(processors ${openProcessorS.toFixed(2)} s), ${(frames / seconds).toFixed(1)} frames a second ` +
+      `(processors ${(1000 * perFrame).toFixed(0)} ms a frame), heap ${(heap / 1e6).toFixed(0)} MB`,
+  );
   await browser.close();
 }

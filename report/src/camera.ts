@@ -12,7 +12,11 @@ const UPS: Record<Up, [Vector3, Vector3, Vector3]> = {
 
 /** The height of a box: y, unless it lies flat. */
 export function likelyUp(size: Vector3): Up {
-  const axes: [Up, number][] = [["y", size.y], ["z", size.z], ["x", size.x]];
+  const axes: [Up, number][] = [
+    ["y", size.y],
+    ["z", size.z],
+    ["x", size.x],
+  ];
   axes.sort((a, b) => a[1] - b[1]);
   const [least, next] = [axes[0]!, axes[1]!];
   return least[1] < 0.45 * next[1] && least[0] !== "x" ? least[0] : "y";
@@ -73,11 +77,12 @@ export class OrbitCamera {
     return radius / Math.sin(Math.atan(Math.tan(half) * narrow));
   }
 
-  /** Looks at a place from not too far away. */
-  lookAt(place: Vector3, radius: number) {
+  /** Looks at what is within a radius of a place, or at a place with its surroundings. */
+  lookAt(place: Vector3, radius: number | null) {
     this.isFitted = false;
     this.target.copy(place);
-    this.distance = Math.min(this.fitting(Math.max(radius * 1.6, this.radius * 0.05)), this.fitting(this.radius));
+    const least = radius === null ? this.radius * 0.2 : Math.max(radius * 1.6, this.radius * 0.05);
+    this.distance = Math.min(this.fitting(least), this.fitting(this.radius));
     this.update();
   }
 
@@ -185,15 +190,22 @@ export function steer(element: HTMLElement, camera: OrbitCamera, picked: (x: num
   element.addEventListener("pointercancel", end);
   element.addEventListener("contextmenu", (event) => event.preventDefault());
   // The wheel scrolls the page until the picture has the focus.
-  element.addEventListener("wheel", (event) => {
-    if (document.activeElement !== element && !event.ctrlKey) return;
-    event.preventDefault();
-    camera.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(0.3, Math.abs(event.deltaY) * 0.002)));
-  }, { passive: false });
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      if (document.activeElement !== element && !event.ctrlKey) return;
+      event.preventDefault();
+      camera.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(0.3, Math.abs(event.deltaY) * 0.002)));
+    },
+    { passive: false },
+  );
   element.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const turn: Record<string, [number, number]> = {
-      ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, 1],
+      ArrowDown: [0, -1],
     };
     const step = turn[event.key];
     if (step && event.shiftKey) camera.pan(step[0] * 0.06, -step[1] * 0.06);

@@ -5,7 +5,13 @@ import type { Part, State } from "./data";
 import { kindOf } from "./kinds";
 import { type ColourMap, textureOf } from "./maps";
 
-const CLOTHS = [[0.93, 0.9, 0.84], [0.7, 0.8, 0.89], [0.82, 0.87, 0.78], [0.92, 0.82, 0.78], [0.86, 0.82, 0.92]];
+const CLOTHS = [
+  [0.93, 0.9, 0.84],
+  [0.7, 0.8, 0.89],
+  [0.82, 0.87, 0.78],
+  [0.92, 0.82, 0.78],
+  [0.86, 0.82, 0.92],
+];
 const BODY = [0.62, 0.62, 0.64];
 
 const VERTEX = `
@@ -88,7 +94,10 @@ export class Cloth {
   /** Bodies are always seen through a little, so that what is inside of them shows. */
   setSeeThrough(isSeeThrough: boolean) {
     const [cloth, body] = this.materials as [ShaderMaterial, ShaderMaterial];
-    for (const [material, opacity] of [[cloth, isSeeThrough ? 0.4 : 1], [body, isSeeThrough ? 0.2 : 0.55]] as const) {
+    for (const [material, opacity] of [
+      [cloth, isSeeThrough ? 0.4 : 1],
+      [body, isSeeThrough ? 0.2 : 0.55],
+    ] as const) {
       material.uniforms["opacity"]!.value = opacity;
       material.transparent = opacity < 1;
       material.depthWrite = opacity === 1;
@@ -108,10 +117,16 @@ export class Cloth {
   /** Other states of the same mesh. */
   setStates(states: State[]) {
     const [first, last] = [states[0]!, states[states.length - 1]!];
-    for (const [name, state] of [["position", first], ["after", last]] as const) {
+    for (const [name, state] of [
+      ["position", first],
+      ["after", last],
+    ] as const) {
       (this.geometry.getAttribute(name) as BufferAttribute).copyArray(state.positions).needsUpdate = true;
     }
-    for (const [name, state] of [["inside", first], ["insideAfter", last]] as const) {
+    for (const [name, state] of [
+      ["inside", first],
+      ["insideAfter", last],
+    ] as const) {
       (this.geometry.getAttribute(name) as BufferAttribute).copyArray(insides(state).array).needsUpdate = true;
     }
   }
@@ -119,12 +134,19 @@ export class Cloth {
 
 function material(opacity: number): ShaderMaterial {
   const uniforms = {
-    mixing: { value: 0 }, map: { value: textureOf(null) }, isMapped: { value: false }, opacity: { value: opacity },
+    mixing: { value: 0 },
+    map: { value: textureOf(null) },
+    isMapped: { value: false },
+    opacity: { value: opacity },
   };
   // Paths lie in the surface: it stands back a little for them.
   const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 };
   return new ShaderMaterial({
-    uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide, ...offset,
+    uniforms,
+    vertexShader: VERTEX,
+    fragmentShader: FRAGMENT,
+    side: DoubleSide,
+    ...offset,
   });
 }
 

@@ -32,8 +32,12 @@ export function placesOf(state: State): { place: Vector3; radius: number }[] {
   const point = (i: number) => new Vector3().fromArray(state.points, 3 * i);
   const places = state.paths.map((_, path) => {
     const line = longest.get(path) ?? { first: 0, count: 0 };
-    const place = line.count === 2 ? point(line.first).lerp(point(line.first + 1), 0.5)
-      : line.count > 0 ? point(line.first + (line.count >> 1)) : new Vector3();
+    const place =
+      line.count === 2
+        ? point(line.first).lerp(point(line.first + 1), 0.5)
+        : line.count > 0
+          ? point(line.first + (line.count >> 1))
+          : new Vector3();
     return { place, radius: 0 };
   });
   for (const { path, first, count } of state.lines) {
@@ -56,7 +60,7 @@ function markerTexture(kind: Kind): CanvasTexture {
   return texture;
 }
 
-/** How the picture is seen: its size in pixels, device pixels to one of them, pixels to a metre, and where sight begins. */
+/** How the picture is seen: size in pixels, device pixels to one of them, pixels to a metre, where sight begins. */
 export interface Sight {
   width: number;
   height: number;
@@ -108,7 +112,11 @@ export class Contours {
     const places = new Float32Array(paths.flatMap((path) => this.places[path]!.place.toArray()));
     geometry.setAttribute("position", new BufferAttribute(places, 3));
     const material = new PointsMaterial({
-      size: 17, sizeAttenuation: false, map: markerTexture(kind), transparent: true, depthTest: false,
+      size: 17,
+      sizeAttenuation: false,
+      map: markerTexture(kind),
+      transparent: true,
+      depthTest: false,
       alphaTest: 0.05,
     });
     const points = new Points(geometry, material);

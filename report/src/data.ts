@@ -60,8 +60,7 @@ export interface WrongData {
 }
 
 export type End =
-  | { kind: "boundary" | "junction"; edge: [number, number]; face: number }
-  | { kind: "loop"; vertex: number };
+  { kind: "boundary" | "junction"; edge: [number, number]; face: number } | { kind: "loop"; vertex: number };
 
 export interface PathData {
   pair_type: string;

@@ -70,10 +70,17 @@ export class Lines {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
 
   /** `corners` are those of segments, two by two. */
-  constructor(corners: Float32Array, private readonly style: LineStyle) {
+  constructor(
+    corners: Float32Array,
+    private readonly style: LineStyle,
+  ) {
     const count = corners.length / 6;
     const [starts, ends] = [new Float32Array(12 * count), new Float32Array(12 * count)];
-    const [distances, corner, index] = [new Float32Array(8 * count), new Float32Array(8 * count), new Uint32Array(6 * count)];
+    const [distances, corner, index] = [
+      new Float32Array(8 * count),
+      new Float32Array(8 * count),
+      new Uint32Array(6 * count),
+    ];
     let travelled = 0;
     for (let i = 0; i < count; i++) {
       const from = travelled;
@@ -84,7 +91,10 @@ export class Lines {
         distances.set([from, travelled], 8 * i + 2 * k);
       }
       corner.set([0, -1, 1, -1, 0, 1, 1, 1], 8 * i);
-      index.set([0, 1, 2, 2, 1, 3].map((k) => 4 * i + k), 6 * i);
+      index.set(
+        [0, 1, 2, 2, 1, 3].map((k) => 4 * i + k),
+        6 * i,
+      );
     }
     const geometry = new BufferGeometry();
     geometry.setIndex(new BufferAttribute(index, 1));

@@ -18,17 +18,27 @@ export class Lists {
   private readonly entries = new Map<string, HTMLButtonElement>();
   private readonly openers: (() => void)[] = [];
   private readonly orders: number[][] = [];
+  /** Paths of the last state that are blocked. */
+  private readonly paths = new Map<BlockedData, number>();
 
   constructor(states: State[], blocked: BlockedData[], jumps: Jumps) {
     states.forEach((state, number) => {
-      const reasons = state.name === "before" ? new Map<number, string>() : reasonsOf(state, blocked);
-      this.element.append(this.paths(state, number, reasons, jumps));
+      const reasons = state.name === "before" ? new Map<number, BlockedData>() : reasonsOf(state, blocked);
+      for (const [path, entry] of reasons) this.paths.set(entry, path);
+      this.element.append(this.pathList(state, number, reasons, jumps));
       for (const section of wrongSides(state, number, jumps)) this.element.append(section);
     });
-    if (blocked.length > 0) this.element.append(blockedList(blocked, states.length - 1, jumps));
+    if (blocked.length > 0)
+      this.element.append(
+        blockedList(blocked, (entry) => {
+          const [state, path] = [states.length - 1, this.paths.get(entry)];
+          if (path !== undefined) jumps.path(state, path);
+          else jumps.vertex(state, entry.vertex);
+        }),
+      );
   }
 
-  private paths(state: State, number: number, reasons: Map<number, string>, jumps: Jumps): HTMLElement {
+  private pathList(state: State, number: number, reasons: Map<number, BlockedData>, jumps: Jumps): HTMLElement {
     const order = state.paths.map((_, path) => path);
     order.sort((a, b) => state.paths[b]!.length_m - state.paths[a]!.length_m);
     this.orders.push(order);
@@ -36,10 +46,17 @@ export class Lists {
     const add = (paths: number[]) => {
       for (const path of paths) {
         const data = state.paths[path]!;
-        const words = el("span", { class: "words" }, ...pathWords(data, reasons.get(path)));
-        const button = el("button", {
-          type: "button", "aria-pressed": "false", click: () => jumps.path(number, path),
-        }, sample(kindOf(data.pair_type)), words);
+        const words = el("span", { class: "words" }, ...pathWords(data, reasons.get(path)?.reason));
+        const button = el(
+          "button",
+          {
+            type: "button",
+            "aria-pressed": "false",
+            click: () => jumps.path(number, path),
+          },
+          sample(kindOf(data.pair_type)),
+          words,
+        );
         this.entries.set(`${number}/${path}`, button);
         list.append(el("li", {}, button));
       }
@@ -53,7 +70,11 @@ export class Lists {
         add(rest);
         more.remove();
       };
-      more = el("button", { type: "button", class: "more", click: open }, `Show ${counted(rest.length, "shorter path")}`);
+      more = el(
+        "button",
+        { type: "button", class: "more", click: open },
+        `Show ${counted(rest.length, "shorter path")}`,
+      );
       this.openers.push(open);
     } else this.openers.push(() => {});
     const title = `${STATE_WORDS[state.name]} (${state.paths.length.toLocaleString("en")})`;
@@ -85,12 +106,16 @@ function pathWords(data: PathData, reason: string | undefined): (HTMLElement | s
   const inside = data.copies.reduce((sum, copy) => sum + (copy.inside_vertices?.length ?? 0), 0);
   const facts = [
     counted(data.num_segments, "face pair"),
-    data.copies.some((copy) => copy.inside_vertices !== null) ? `${counted(inside, "vertex", "vertices")} inside` : null,
+    data.copies.some((copy) => copy.inside_vertices !== null)
+      ? `${counted(inside, "vertex", "vertices")} inside`
+      : null,
     data.closed ? "closed" : null,
     ...data.ends.map(endWords),
   ].filter((fact) => fact !== null);
   const words: (HTMLElement | string)[] = [
-    el("strong", {}, data.pair_type), ` ${metres(data.length_m)}`, el("small", {}, facts.join("; ")),
+    el("strong", {}, data.pair_type),
+    ` ${metres(data.length_m)}`,
+    el("small", {}, facts.join("; ")),
   ];
   if (reason) words.push(el("small", { class: "reason" }, `Blocked: ${reason}`));
   return words;
@@ -102,14 +127,14 @@ function endWords(end: End): string {
   return `${what} ${end.edge[0]}–${end.edge[1]} in face ${end.face}`;
 }
 
-/** The reasons of blocked paths, by the path of the last state that has their type and length. */
-function reasonsOf(state: State, blocked: BlockedData[]): Map<number, string> {
-  const reasons = new Map<number, string>();
+/** What is blocked, by the path of the last state that has its type and length. */
+function reasonsOf(state: State, blocked: BlockedData[]): Map<number, BlockedData> {
+  const reasons = new Map<number, BlockedData>();
   for (const entry of blocked) {
     const isOwn = (path: PathData) =>
       path.pair_type === entry.pair_type && Math.abs(path.length_m - entry.length_m) <= 1e-3 * entry.length_m;
     const found = state.paths.findIndex((path, number) => isOwn(path) && !reasons.has(number));
-    if (found >= 0) reasons.set(found, entry.reason);
+    if (found >= 0) reasons.set(found, entry);
   }
   return reasons;
 }
@@ -119,26 +144,60 @@ function wrongSides(state: State, number: number, jumps: Jumps): HTMLElement[] {
     const where = wrong.kind === "body" ? "inside of a body" : "behind an inner layer";
     const when = state.name === "check" ? "" : `, ${state.name}`;
     const clusters = [...wrong.clusters].sort((a, b) => b.depth_m - a.depth_m).slice(0, FIRST_ROWS);
-    const entries = clusters.map((cluster) => el("li", {}, el("button", {
-      type: "button", click: () => jumps.vertex(number, cluster.vertex),
-    }, el("span", { class: `dot ${wrong.kind}`, "aria-hidden": "true" }), el("span", { class: "words" },
-      el("strong", {}, counted(cluster.num_vertices, "vertex", "vertices")), ` up to ${metres(cluster.depth_m)} deep`,
-      el("small", {}, `deepest: vertex ${cluster.vertex}`)))));
+    const entries = clusters.map((cluster) =>
+      el(
+        "li",
+        {},
+        el(
+          "button",
+          {
+            type: "button",
+            click: () => jumps.vertex(number, cluster.vertex),
+          },
+          el("span", { class: `dot ${wrong.kind}`, "aria-hidden": "true" }),
+          el(
+            "span",
+            { class: "words" },
+            el("strong", {}, counted(cluster.num_vertices, "vertex", "vertices")),
+            ` up to ${metres(cluster.depth_m)} deep`,
+            el("small", {}, `deepest: vertex ${cluster.vertex}`),
+          ),
+        ),
+      ),
+    );
     const title = `${counted(wrong.vertices.length, "vertex", "vertices")} ${where}${when}`;
     return el("section", { class: "wrong" }, el("h3", {}, title), el("ol", { class: "entries" }, ...entries));
   });
 }
 
-function blockedList(blocked: BlockedData[], state: number, jumps: Jumps): HTMLElement {
+function blockedList(blocked: BlockedData[], jump: (entry: BlockedData) => void): HTMLElement {
   const entries = blocked.slice(0, FIRST_ROWS).map((entry) => {
-    const what = entry.pair_type ?? counted(entry.num_vertices_inside_body ?? 0, "vertex", "vertices") + " inside of a body";
+    const what =
+      entry.pair_type ?? counted(entry.num_vertices_inside_body ?? 0, "vertex", "vertices") + " inside of a body";
     const size = entry.pair_type ? metres(entry.length_m) : `up to ${metres(entry.length_m)} deep`;
     const where = `vertex ${entry.vertex_in_file} of ${entry.file}${entry.part ? `, ${entry.part}` : ""}`;
-    return el("li", {}, el("button", { type: "button", click: () => jumps.vertex(state, entry.vertex) },
-      entry.pair_type ? sample(kindOf(entry.pair_type)) : el("span", { class: "dot body", "aria-hidden": "true" }),
-      el("span", { class: "words" }, el("strong", {}, what), ` ${size}`,
-        el("small", { class: "reason" }, entry.reason), el("small", {}, `at ${where}`))));
+    return el(
+      "li",
+      {},
+      el(
+        "button",
+        { type: "button", click: () => jump(entry) },
+        entry.pair_type ? sample(kindOf(entry.pair_type)) : el("span", { class: "dot body", "aria-hidden": "true" }),
+        el(
+          "span",
+          { class: "words" },
+          el("strong", {}, what),
+          ` ${size}`,
+          el("small", { class: "reason" }, entry.reason),
+          el("small", {}, `at ${where}`),
+        ),
+      ),
+    );
   });
-  return el("section", { class: "blocked" }, el("h3", {}, `Blocked, with reasons (${blocked.length})`),
-    el("ol", { class: "entries" }, ...entries));
+  return el(
+    "section",
+    { class: "blocked" },
+    el("h3", {}, `Blocked, with reasons (${blocked.length})`),
+    el("ol", { class: "entries" }, ...entries),
+  );
 }

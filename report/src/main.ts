@@ -1,5 +1,5 @@
 // A page that untangled check --html or untangled fix --html wrote: puts its parts together.
-import { type PageData, type State, blockedOf, readPage, readState, singles } from "./data";
+import { type PageData, type State, type WrongData, blockedOf, readPage, readState, singles } from "./data";
 import { counted, el, metres } from "./dom";
 import { beforeAfterSlider, kindLegend, mapChoice, pageButtons, viewControls } from "./controls";
 import { Lists } from "./list";
@@ -8,26 +8,40 @@ import { Scrubber, Sequence } from "./sequence";
 import { tables } from "./tables";
 import { View } from "./view";
 
+function wrongWords({ kind, vertices }: WrongData): string {
+  const where = kind === "body" ? "inside of a body" : "behind an inner layer";
+  return `${counted(vertices.length, "vertex", "vertices")} ${where}`;
+}
+
 function verdict(page: PageData, states: State[]): HTMLElement {
   if (page.sequence) return framesVerdict(page);
   const last = states[states.length - 1]!;
   const left = [
     last.paths.length > 0 ? counted(last.paths.length, "intersection path") : null,
-    ...last.wrongSides.map((wrong) =>
-      `${counted(wrong.vertices.length, "vertex", "vertices")} ${wrong.kind === "body" ? "inside of a body" : "behind an inner layer"}`),
+    ...last.wrongSides.map(wrongWords),
   ].filter((words) => words !== null);
   const isClean = page.command === "fix" ? page.report["clean"] === true : left.length === 0;
-  const words = isClean ? "Clean: nothing intersects"
-    : left.length > 0 ? `Not clean: ${left.join(", ")}` : "Not clean: see the summary";
-  return el("p", { class: isClean ? "verdict clean" : "verdict tangled", role: "status" }, `${isClean ? "✓" : "✗"} ${words}`);
+  const words = isClean
+    ? "Clean: nothing intersects"
+    : left.length > 0
+      ? `Not clean: ${left.join(", ")}`
+      : "Not clean: see the summary";
+  return el(
+    "p",
+    { class: isClean ? "verdict clean" : "verdict tangled", role: "status" },
+    `${isClean ? "✓" : "✗"} ${words}`,
+  );
 }
 
 function framesVerdict(page: PageData): HTMLElement {
   const { frames } = page.sequence!;
   const clean = frames.filter(({ line }) => line["clean"] === true).length;
   const isClean = clean === frames.length;
-  return el("p", { class: isClean ? "verdict clean" : "verdict tangled", role: "status" },
-    `${isClean ? "✓" : "✗"} ${clean} of ${counted(frames.length, "frame")} ${clean === 1 ? "is" : "are"} clean`);
+  return el(
+    "p",
+    { class: isClean ? "verdict clean" : "verdict tangled", role: "status" },
+    `${isClean ? "✓" : "✗"} ${clean} of ${counted(frames.length, "frame")} ${clean === 1 ? "is" : "are"} clean`,
+  );
 }
 
 /** Whose vertex it is, and what became of it. */
@@ -53,48 +67,62 @@ function picture(page: PageData, first: State[], sequence: Sequence | null): HTM
   let maps = mapsOf(page, sequence, 0);
   let picked: { state: number; path: number | null } = { state: 0, path: null };
   let shown = 0;
-  const status = el("p", { class: "status", role: "status", "aria-live": "polite" },
-    "Click a path or a vertex, or choose a path in the list.");
+  const status = el(
+    "p",
+    { class: "status", role: "status", "aria-live": "polite" },
+    "Click a path or a vertex, or choose a path in the list.",
+  );
   const pick = (state: number, path: number | null, isSought: boolean) => {
     picked = { state, path };
     view.pickPath(state, path, isSought);
     lists.mark(state, path);
+    // On a phone the list is below the picture.
+    if (isSought) view.canvas.scrollIntoView({ block: "nearest" });
     const data = path === null ? undefined : states[state]!.paths[path];
-    status.textContent = data ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}` : "";
+    status.textContent = data
+      ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}`
+      : "";
   };
   const view = new View(page, states, ({ path, vertex }) => {
     pick(shown, path, false);
     if (vertex !== null) status.textContent = vertexWords(page, maps, vertex);
   });
-  const slider = states.length > 1 ? beforeAfterSlider((mixing) => {
-    shown = mixing > 0.5 ? 1 : 0;
-    view.setMixing(mixing);
-  }) : null;
-  const makeLists = (frame: number) => new Lists(states, blockedOf(page, frame), {
-    path: (state, path) => {
-      slider?.set(state);
-      pick(state, path, true);
-    },
-    vertex: (state, vertex) => {
-      slider?.set(state);
-      pick(state, null, false);
-      view.lookAtVertex(state, vertex);
-      status.textContent = vertexWords(page, maps, vertex);
-    },
-  });
+  const slider =
+    states.length > 1
+      ? beforeAfterSlider((mixing) => {
+          shown = mixing > 0.5 ? 1 : 0;
+          view.setMixing(mixing);
+        })
+      : null;
+  const makeLists = (frame: number) =>
+    new Lists(states, blockedOf(page, frame), {
+      path: (state, path) => {
+        slider?.set(state);
+        pick(state, path, true);
+      },
+      vertex: (state, vertex) => {
+        slider?.set(state);
+        pick(state, null, false);
+        view.lookAtVertex(state, vertex);
+        view.canvas.scrollIntoView({ block: "nearest" });
+        status.textContent = vertexWords(page, maps, vertex);
+      },
+    });
   let lists = makeLists(0);
   const choice = mapChoice(maps, view);
-  const scrubber = sequence && new Scrubber(sequence, page, (frame, stays) => {
-    states = sequence.states(frame);
-    view.setStates(states);
-    picked = { state: shown, path: null };
-    maps = mapsOf(page, sequence, frame);
-    choice.renew(maps);
-    if (!stays) return;
-    const old = lists.element;
-    lists = makeLists(frame);
-    old.replaceWith(lists.element);
-  });
+  const scrubber =
+    sequence &&
+    new Scrubber(sequence, page, (frame, stays) => {
+      states = sequence.states(frame);
+      view.setStates(states);
+      picked = { state: shown, path: null };
+      maps = mapsOf(page, sequence, frame);
+      choice.renew(maps);
+      if (!stays) return;
+      const old = lists.element;
+      lists = makeLists(frame);
+      old.replaceWith(lists.element);
+    });
   const step = (by: number) => {
     const path = lists.beside(shown, picked.state === shown ? picked.path : null, by);
     if (path !== null) pick(shown, path, true);
@@ -112,11 +140,22 @@ function picture(page: PageData, first: State[], sequence: Sequence | null): HTM
     else if (event.key === "Escape") pick(shown, null, false);
   });
   const hasPaths = sequence !== null || states.some((state) => state.paths.length > 0);
-  return el("div", { class: "main" },
-    el("div", { class: "picture" }, el("div", { class: "frame" }, canvas), still(view), status,
+  return el(
+    "div",
+    { class: "main" },
+    el(
+      "div",
+      { class: "picture" },
+      el("div", { class: "frame" }, canvas),
+      still(view),
+      status,
       el("div", { class: "noprint controls" }, scrubber?.element, slider?.element, viewControls(view, step, hasPaths)),
-      choice.element, kindLegend(page, states, view), keysHint(sequence !== null)),
-    lists.element);
+      choice.element,
+      kindLegend(page, states, view),
+      keysHint(sequence !== null),
+    ),
+    lists.element,
+  );
 }
 
 /** The picture that is printed. */
@@ -131,10 +170,14 @@ function still(view: View): HTMLElement {
 }
 
 function keysHint(hasFrames: boolean): HTMLElement {
-  return el("p", { id: "keys", class: "noprint hint" },
-    "With the picture focused: arrow keys turn it, with Shift they move it, + and − bring it nearer and farther, Home shows all of it, " +
-    `N and P go to the next and the previous path${hasFrames ? ", comma and full stop to the frame before and after" : ""}. ` +
-    "A pointer turns it, with Shift or the right button moves it; the wheel zooms once the picture has the focus.");
+  const frames = hasFrames ? ", comma and full stop to the frame before and after" : "";
+  return el(
+    "p",
+    { id: "keys", class: "noprint hint" },
+    "With the picture focused: arrow keys turn it, with Shift they move it, + and − bring it nearer and farther, " +
+      `Home shows all of it, N and P go to the next and the previous path${frames}. ` +
+      "A pointer turns it, with Shift or the right button moves it; the wheel zooms once the picture has the focus.",
+  );
 }
 
 function withoutPicture(error: unknown): HTMLElement {
@@ -148,17 +191,26 @@ async function main() {
   const states = page.states.map((data) => readState(page, data));
   const root = document.getElementById("page")!;
   const files = page.mesh.parts.map((part) => part.file).join(", ");
-  root.append(el("header", {},
-    el("h1", {}, `untangled ${page.command}`), el("p", { class: "files" }, files), pageButtons(page)), verdict(page, states));
+  root.append(
+    el("header", {}, el("h1", {}, `untangled ${page.command}`), el("p", { class: "files" }, files), pageButtons(page)),
+    verdict(page, states),
+  );
   const main = el("main");
   root.append(main);
   try {
     main.append(picture(page, states, sequence));
   } catch (error) {
-    main.append(withoutPicture(error), new Lists(states, blockedOf(page, 0), { path: () => {}, vertex: () => {} }).element);
+    main.append(
+      withoutPicture(error),
+      new Lists(states, blockedOf(page, 0), { path: () => {}, vertex: () => {} }).element,
+    );
   }
-  main.append(el("h2", {}, "Summary"), el("pre", { class: "scroll", tabindex: 0 }, page.summary),
-    el("h2", {}, "Numbers"), el("div", { class: "tables" }, ...tables(page)));
+  main.append(
+    el("h2", {}, "Summary"),
+    el("pre", { class: "scroll", tabindex: 0 }, page.summary),
+    el("h2", {}, "Numbers"),
+    el("div", { class: "tables" }, ...tables(page)),
+  );
   root.append(el("footer", {}, `Made by untangled ${page.version}. This file fetches nothing and sends nothing.`));
   document.documentElement.dataset["ready"] = "yes";
 }

@@ -7,12 +7,25 @@ import { digits, metres } from "./dom";
 type Stops = [number, number, number][];
 
 const LITTLE_MUCH: Stops = [
-  [250, 246, 226], [233, 235, 180], [178, 218, 184], [112, 192, 190], [58, 150, 186], [38, 103, 166], [36, 58, 130],
+  [250, 246, 226],
+  [233, 235, 180],
+  [178, 218, 184],
+  [112, 192, 190],
+  [58, 150, 186],
+  [38, 103, 166],
+  [36, 58, 130],
   [16, 24, 78],
 ];
 const SHORT_LONG: Stops = [
-  [5, 60, 130], [60, 115, 180], [130, 170, 210], [195, 212, 226], [232, 232, 228], [240, 208, 170], [228, 160, 95],
-  [200, 105, 30], [140, 60, 0],
+  [5, 60, 130],
+  [60, 115, 180],
+  [130, 170, 210],
+  [195, 212, 226],
+  [232, 232, 228],
+  [240, 208, 170],
+  [228, 160, 95],
+  [200, 105, 30],
+  [140, 60, 0],
 ];
 
 function at(stops: Stops, t: number): [number, number, number] {
@@ -50,7 +63,13 @@ export function movedMap(moved: Float32Array): ColourMap {
 /** Ratios on a logarithmic scale, 1 in the middle. */
 export function stretchMap(stretch: Float32Array): ColourMap {
   const bad = (ratio: number) => Math.abs(Math.log(Math.max(ratio, 1e-6)));
-  const most = Math.min(Math.log(4), Math.max(Math.log(1.02), stretch.reduce((a, b) => Math.max(a, bad(b)), 0)));
+  const most = Math.min(
+    Math.log(4),
+    Math.max(
+      Math.log(1.02),
+      stretch.reduce((a, b) => Math.max(a, bad(b)), 0),
+    ),
+  );
   return {
     name: "stretch",
     title: "Stretch: length after divided by length before, of the worst edge of each vertex",

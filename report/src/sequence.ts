@@ -9,7 +9,10 @@ export class Sequence {
   readonly numFrames: number;
   private readonly streams: Uint16Array[];
 
-  private constructor(private readonly page: PageData, streams: Uint16Array[]) {
+  private constructor(
+    private readonly page: PageData,
+    streams: Uint16Array[],
+  ) {
     this.numFrames = page.sequence!.frames.length;
     this.streams = streams;
   }
@@ -33,7 +36,8 @@ export class Sequence {
   states(frame: number): State[] {
     const { frames } = this.page.sequence!;
     return this.page.states.map(({ name }, number) =>
-      stateOf(this.page, name, this.positions(frame, number), frames[frame]!.states[number]!));
+      stateOf(this.page, name, this.positions(frame, number), frames[frame]!.states[number]!),
+    );
   }
 
   private positions(frame: number, stream: number): Float32Array {
@@ -66,7 +70,7 @@ async function unpack(text: string): Promise<Uint16Array> {
   return result;
 }
 
-/** Goes through the frames: a scrubber, steps, and play. `shown` says whether a frame stays, or others follow at once. */
+/** Goes through the frames: a scrubber, steps, and play. `shown` hears of a frame, and whether it stays. */
 export class Scrubber {
   readonly element: HTMLElement;
   private frame = 0;
@@ -75,10 +79,18 @@ export class Scrubber {
   private readonly output = el("output", { for: "frame" });
   private readonly play: HTMLButtonElement;
 
-  constructor(private readonly sequence: Sequence, page: PageData, private readonly shown: (frame: number, stays: boolean) => void) {
+  constructor(
+    private readonly sequence: Sequence,
+    page: PageData,
+    private readonly shown: (frame: number, stays: boolean) => void,
+  ) {
     const last = sequence.numFrames - 1;
     this.slider = el("input", {
-      type: "range", id: "frame", min: 0, max: last, value: 0,
+      type: "range",
+      id: "frame",
+      min: 0,
+      max: last,
+      value: 0,
       input: () => {
         this.stop();
         this.go(Number(this.slider.value));
@@ -87,13 +99,24 @@ export class Scrubber {
     this.play = el("button", { type: "button", click: () => (this.playing ? this.stop() : this.start()) }, "▶ Play");
     const step = (by: number, text: string, title: string) =>
       el("button", { type: "button", title, "aria-label": title, click: () => this.step(by) }, text);
-    this.element = el("div", {},
-      el("div", { class: "row slider" }, el("label", { for: "frame" }, "Frame"), step(-1, "−1", "Previous frame"),
-        this.slider, step(1, "+1", "Next frame"), this.play, this.output),
+    this.element = el(
+      "div",
+      {},
+      el(
+        "div",
+        { class: "row slider" },
+        el("label", { for: "frame" }, "Frame"),
+        step(-1, "−1", "Previous frame"),
+        this.slider,
+        step(1, "+1", "Next frame"),
+        this.play,
+        this.output,
+      ),
       chart(page, (frame) => {
         this.stop();
         this.go(frame);
-      }));
+      }),
+    );
     this.say();
   }
 
@@ -138,14 +161,20 @@ export class Scrubber {
 /** Intersecting face pairs frame by frame, before and after; a click goes to a frame. */
 function chart(page: PageData, go: (frame: number) => void): HTMLElement {
   const { frames } = page.sequence!;
-  const counts = (name: string) => frames.map(({ line }) => {
-    const own = line[name];
-    return typeof own === "object" && own !== null && !Array.isArray(own) ? Number(own["num_face_pairs"] ?? 0) : 0;
-  });
+  const counts = (name: string) =>
+    frames.map(({ line }) => {
+      const own = line[name];
+      return typeof own === "object" && own !== null && !Array.isArray(own) ? Number(own["num_face_pairs"] ?? 0) : 0;
+    });
   const [before, after] = [counts("before"), counts("after")];
   const most = Math.max(1, ...before, ...after);
-  const canvas = el("canvas", { class: "chart", width: 1200, height: 140, role: "img",
-    "aria-label": `Intersecting face pairs of each frame: at most ${most}. The table of frames has all numbers.` });
+  const canvas = el("canvas", {
+    class: "chart",
+    width: 1200,
+    height: 140,
+    role: "img",
+    "aria-label": `Intersecting face pairs of each frame: at most ${most}. The table of frames has all numbers.`,
+  });
   const g = canvas.getContext("2d")!;
   const width = canvas.width / frames.length;
   frames.forEach((_, frame) => {
@@ -163,6 +192,14 @@ function chart(page: PageData, go: (frame: number) => void): HTMLElement {
     go(Math.max(0, Math.min(frames.length - 1, Math.floor(part * frames.length))));
   });
   const words = page.command === "fix" ? "wide: before; narrow and dark: after" : "each frame";
-  return el("figure", {}, canvas, el("figcaption", { class: "hint" },
-    `Intersecting face pairs, frame by frame (${words}); the highest bar is ${most.toLocaleString("en")}.`));
+  return el(
+    "figure",
+    {},
+    canvas,
+    el(
+      "figcaption",
+      { class: "hint" },
+      `Intersecting face pairs, frame by frame (${words}); the highest bar is ${most.toLocaleString("en")}.`,
+    ),
+  );
 }

@@ -18,7 +18,13 @@ export function tables(page: PageData): HTMLElement[] {
     if (ELSEWHERE.has(name) || name === "before" || name === "after") continue;
     sections.push(section(name, value));
   }
-  if (page.sequence) sections.push(list("Frames", page.sequence.frames.map(({ line }) => frameRow(line))));
+  if (page.sequence)
+    sections.push(
+      list(
+        "Frames",
+        page.sequence.frames.map(({ line }) => frameRow(line)),
+      ),
+    );
   sections.push(settings(page));
   return sections.filter((section) => section !== null);
 }
@@ -28,7 +34,11 @@ function isObject(value: Json | undefined): value is JsonObject {
 }
 
 function isPlain(value: Json): boolean {
-  return typeof value !== "object" || value === null || (Array.isArray(value) && value.every((item) => typeof item !== "object"));
+  return (
+    typeof value !== "object" ||
+    value === null ||
+    (Array.isArray(value) && value.every((item) => typeof item !== "object"))
+  );
 }
 
 function section(name: string, value: Json): HTMLElement | null {
@@ -82,14 +92,19 @@ function list(title: string, items: JsonObject[]): HTMLElement {
     const cells = names.map((name) => el("td", {}, valueWords(name, item[name] ?? null)));
     return el("tr", {}, ...cells);
   });
-  const more = items.length > shown.length && el("p", {}, `The first ${MOST_ROWS} of ${items.length}; the JSON has all.`);
+  const more =
+    items.length > shown.length && el("p", {}, `The first ${MOST_ROWS} of ${items.length}; the JSON has all.`);
   return framed(title, el("table", {}, headOf(names.map(label)), el("tbody", {}, ...rows)), more || null);
 }
 
 /** The numbers of a frame that are looked for first. */
 function frameRow(line: JsonObject): JsonObject {
   const pairs = (value: Json | undefined) => (isObject(value) ? (value["num_face_pairs"] ?? null) : null);
-  const row: JsonObject = { frame: line["frame"] ?? null, clean: line["clean"] ?? null, "face pairs before": pairs(line["before"]) };
+  const row: JsonObject = {
+    frame: line["frame"] ?? null,
+    clean: line["clean"] ?? null,
+    "face pairs before": pairs(line["before"]),
+  };
   if (isObject(line["after"])) row["face pairs after"] = pairs(line["after"]);
   for (const [name, value] of Object.entries(line)) {
     if (isPlain(value) && !Array.isArray(value) && !(name in row) && name !== "schema") row[name] = value;
@@ -100,9 +115,11 @@ function frameRow(line: JsonObject): JsonObject {
 function settings(page: PageData): HTMLElement {
   const rows = [
     row("Made by", [`untangled ${page.version}, untangled ${page.command}`]),
-    ...page.mesh.parts.map((part) => row(part.role === "body" ? "Body" : part.role === "layer" ? "Layer" : "File", [
-      `${part.file} (${valueWords("", part.num_vertices)} vertices, ${valueWords("", part.num_faces)} triangles)`,
-    ])),
+    ...page.mesh.parts.map((part) =>
+      row(part.role === "body" ? "Body" : part.role === "layer" ? "Layer" : "File", [
+        `${part.file} (${valueWords("", part.num_vertices)} vertices, ${valueWords("", part.num_faces)} triangles)`,
+      ]),
+    ),
     ...page.settings.map(({ name, value }) => row(name, [value])),
   ];
   return framed("Settings and version", el("table", {}, el("tbody", {}, ...rows)));

@@ -1,6 +1,14 @@
 // The picture: cloth, paths, and vertices on the wrong side; drawn when something changes, not all the time.
 import {
-  BufferAttribute, BufferGeometry, ColorManagement, LinearSRGBColorSpace, Points, PointsMaterial, Scene, Vector3,
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  ColorManagement,
+  LinearSRGBColorSpace,
+  Points,
+  PointsMaterial,
+  Scene,
+  Vector3,
   WebGLRenderer,
 } from "three";
 
@@ -30,7 +38,11 @@ export class View {
   private isAsked = false;
   private isSized = false;
 
-  constructor(private readonly page: PageData, private states: State[], onPick: (picked: Picked) => void) {
+  constructor(
+    private readonly page: PageData,
+    private states: State[],
+    onPick: (picked: Picked) => void,
+  ) {
     // Colours are those of the legend, to the bit.
     ColorManagement.enabled = false;
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -78,19 +90,33 @@ export class View {
   /** Vertices on the wrong side, and pinned ones. */
   private dotsOf(state: State, pinned: number[]): Points[] {
     const rows: [number[], number, number][] = [[pinned, 0x000000, 5]];
-    for (const wrong of state.wrongSides) rows.push([wrong.vertices, wrong.kind === "body" ? 0xa000a0 : 0x006400, 6]);
-    return rows.filter(([vertices]) => vertices.length > 0).map(([vertices, colour, size]) => {
-      const geometry = new BufferGeometry();
-      const places = new Float32Array(vertices.flatMap((vertex) => [...placeOf(state, vertex)]));
-      geometry.setAttribute("position", new BufferAttribute(places, 3));
-      const material = new PointsMaterial({ color: colour, size, sizeAttenuation: false, depthTest: vertices === pinned });
-      const points = new Points(geometry, material);
-      material.userData = { size };
-      points.frustumCulled = false;
-      points.renderOrder = 3;
-      this.scene.add(points);
-      return points;
-    });
+    // Discs inside of a body, squares behind a layer.
+    for (const wrong of state.wrongSides) {
+      rows.push(wrong.kind === "body" ? [wrong.vertices, 0xa000a0, 8] : [wrong.vertices, 0x006400, 6]);
+    }
+    return rows
+      .filter(([vertices]) => vertices.length > 0)
+      .map(([vertices, colour, size]) => {
+        const geometry = new BufferGeometry();
+        const places = new Float32Array(vertices.flatMap((vertex) => [...placeOf(state, vertex)]));
+        geometry.setAttribute("position", new BufferAttribute(places, 3));
+        const material = new PointsMaterial({
+          color: colour,
+          size,
+          sizeAttenuation: false,
+          depthTest: vertices === pinned,
+        });
+        if (size === 8) {
+          material.map = discTexture();
+          material.alphaTest = 0.5;
+        }
+        const points = new Points(geometry, material);
+        material.userData = { size };
+        points.frustumCulled = false;
+        points.renderOrder = 3;
+        this.scene.add(points);
+        return points;
+      });
   }
 
   /** 0 is the first state, 1 the last. */
@@ -127,7 +153,7 @@ export class View {
 
   /** Looks at a vertex of a state. */
   lookAtVertex(state: number, vertex: number) {
-    this.orbit.lookAt(placeOf(this.states[state]!, vertex), 0);
+    this.orbit.lookAt(placeOf(this.states[state]!, vertex), null);
   }
 
   draw() {
@@ -142,14 +168,22 @@ export class View {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0 || !this.isSized) return;
     const ratio = this.renderer.getPixelRatio();
-    const sight = { width, height, ratio, pixelsPerMetre: this.orbit.pixelsPerMetre(height), near: this.orbit.camera.near };
+    const sight = {
+      width,
+      height,
+      ratio,
+      pixelsPerMetre: this.orbit.pixelsPerMetre(height),
+      near: this.orbit.camera.near,
+    };
     const shares = this.shares();
     this.contours.forEach((contours, i) => contours.prepare(shares[i]!, sight));
-    this.dots.forEach((dots, i) => dots.forEach((points) => {
-      const material = points.material as PointsMaterial;
-      points.visible = shares[i]! > 0.5;
-      material.size = (material.userData as { size: number }).size * ratio;
-    }));
+    this.dots.forEach((dots, i) =>
+      dots.forEach((points) => {
+        const material = points.material as PointsMaterial;
+        points.visible = shares[i]! > 0.5;
+        material.size = (material.userData as { size: number }).size * ratio;
+      }),
+    );
     this.renderer.render(this.scene, this.orbit.camera);
   }
 
@@ -199,6 +233,16 @@ export class View {
     }
     return { path: null, vertex };
   }
+}
+
+function discTexture(): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 32;
+  const g = canvas.getContext("2d")!;
+  g.fillStyle = "#ffffff";
+  g.arc(16, 16, 15, 0, 2 * Math.PI);
+  g.fill();
+  return new CanvasTexture(canvas);
 }
 
 function placeOf(state: State, vertex: number): Vector3 {

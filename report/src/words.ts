@@ -60,7 +60,10 @@ const LABELS: Record<string, string> = {
 export function label(name: string): string {
   const known = LABELS[name];
   if (known) return known;
-  const plain = name.replace(/^num_/, "").replace(/_(m|us|s)$/, "").replaceAll("_", " ");
+  const plain = name
+    .replace(/^num_/, "")
+    .replace(/_(m|us|s)$/, "")
+    .replaceAll("_", " ");
   return /[a-z]/.test(plain) ? plain.charAt(0).toUpperCase() + plain.slice(1) : plain;
 }
 
@@ -75,6 +78,9 @@ export function valueWords(name: string, value: Json): string {
     return digits(value);
   }
   if (typeof value === "string") return value;
-  if (Array.isArray(value)) return value.map((item) => valueWords(name, item)).join(name === "between" ? " and " : ", ");
-  return Object.entries(value).map(([key, item]) => `${label(key)} ${valueWords(key, item)}`).join(", ");
+  if (Array.isArray(value))
+    return value.map((item) => valueWords(name, item)).join(name === "between" ? " and " : ", ");
+  return Object.entries(value)
+    .map(([key, item]) => `${label(key)} ${valueWords(key, item)}`)
+    .join(", ");
 }
