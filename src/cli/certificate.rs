@@ -48,8 +48,8 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Judges the world of `files` and bodies. What bodies cross of themselves is left out. What is outwards of layers is
-    /// what the input says, or what it looks like in the input.
+    /// Judges the world of `files` and bodies. What bodies cross of themselves is left out. What is outwards of layers
+    /// is what the input says, or what it looks like in the input.
     pub(super) fn of(files: &[MeshFile], roles: &Roles, input: &Input) -> Self {
         let surface = Surface::new(files, roles, input);
         let single = surface.in_single_precision();

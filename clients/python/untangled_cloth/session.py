@@ -48,7 +48,8 @@ class Session:
             whether they have to be off; makes them sparse as well.
         weld: whether vertices with exactly one place in `rest_positions` are one along seams, for meshes that were
             split for texture coordinates or normals; see :attr:`num_welded_vertices`. They have to be in one place in
-            each state, and corrections keep them there.
+            each state, and corrections keep them there. Without rest positions, give those with which the motion
+            begins, and the same ones whenever the cloth is registered again.
         settings: by name, as in `untangled config`, section `settings`; besides, `quality`. Numbers of numpy are
             taken for what they are.
         dt: length of a step in seconds, where a call does not say another; 1e-9 to 1e9.

@@ -68,20 +68,40 @@ impl Frame {
         if positions.len() != mesh.num_vertices() {
             return Err(FrameError::Length { given: positions.len(), expected: mesh.num_vertices() });
         }
-        self.positions.reserve(positions.len());
-        for (vertex, position) in positions.enumerate() {
-            let mut point = [0.0; 3];
-            for ((slot, value), axis) in point.iter_mut().zip(position).zip(['x', 'y', 'z']) {
-                let value: f64 = value.into();
+        // A zero of either sign becomes a positive one.
+        self.positions.extend(positions.map(|position| Point3::from(position.map(|value| value.into() + 0.0))));
+        // All at once, without a branch: hardly any frame has a coordinate that needs a second look.
+        let is_plain = |value: f64| (SMALLEST..=LARGEST).contains(&value.abs()) | (value == 0.0);
+        let is_all_plain =
+            |all, point: &Point3<f64>| all & point.iter().fold(true, |all, &value| all & is_plain(value));
+        if self.positions.iter().fold(true, is_all_plain) { Ok(()) } else { self.look_at_each() }
+    }
+
+    /// Takes the smallest values as zero, and refuses the first that can't be used.
+    fn look_at_each(&mut self) -> Result<(), FrameError> {
+        let mut fault = None;
+        for (vertex, point) in self.positions.iter_mut().enumerate() {
+            for (value, axis) in point.iter_mut().zip(['x', 'y', 'z']) {
                 let magnitude = value.abs();
                 if magnitude.is_nan() || magnitude > LARGEST {
-                    return Err(FrameError::Coordinate { vertex, axis, value });
+                    fault.get_or_insert(FrameError::Coordinate { vertex, axis, value: *value });
+                } else if magnitude < SMALLEST {
+                    *value = 0.0;
                 }
-                *slot = if magnitude < SMALLEST { 0.0 } else { value };
             }
-            self.positions.push(point.into());
         }
-        Ok(())
+        fault.map_or(Ok(()), |fault| {
+            self.positions.clear();
+            Err(fault)
+        })
+    }
+
+    /// Moves one vertex; nothing where the place is refused, and the vertex stays.
+    pub(crate) fn put(&mut self, vertex: VertexId, place: Point3<f64>) -> Option<()> {
+        let is_usable = place.iter().all(|value| value.abs() <= LARGEST);
+        is_usable.then(|| {
+            self.positions[vertex.index()] = place.map(|value| if value.abs() < SMALLEST { 0.0 } else { value });
+        })
     }
 
     /// All positions, in metres.

@@ -21,8 +21,9 @@ impl Verdict {
     }
 }
 
-/// Judges a state. The mesh says what is outwards of its layers ([`Layers::decide`](untangle::sides::Layers::decide)). A
-/// frame is finite, and a mesh has valid faces; what can't be judged is not clean.
+/// Judges a state. The mesh says what is outwards of its layers: see
+/// [`Layers::decide`](untangle::sides::Layers::decide). A frame is finite, and a mesh has valid faces; what can't be
+/// judged is not clean.
 pub(super) fn judge(mesh: &Mesh, positions: &[[f64; 3]]) -> Verdict {
     let triangles: Vec<[u32; 3]> = mesh.face_ids().map(|face| mesh.face(face).map(|vertex| vertex.0)).collect();
     let are_bodies = mesh.face_ids().map(|face| mesh.is_body_face(face));

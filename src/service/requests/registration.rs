@@ -90,7 +90,8 @@ fn cloth(description: MeshDescription, asked: SessionOptions) -> Result<Cloth, R
         return Cloth::new(description).map_err(|error| Refusal::new(Status::BadMesh, error));
     }
     let Some(rest) = &description.rest_positions else {
-        let message = "vertices are welded by their rest positions (section 10, option 8): send them (section 5)";
+        let message = "vertices are welded by their rest positions (section 10, option 8): send them (section 5), or \
+                       else the positions with which the motion begins";
         return Err(Refusal::new(Status::BadRequest, message));
     };
     Cloth::welded(&description, rest).map_err(|error| Refusal::new(Status::BadMesh, error))

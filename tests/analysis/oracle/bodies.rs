@@ -3,7 +3,7 @@
 use untangle::{
     frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::{Mesh, MeshDescription},
+    mesh::{Mesh, MeshDescription, VertexId},
 };
 use untangled_testkit::{
     generate::{Sheet, crumpled, fan},
@@ -37,9 +37,14 @@ fn search_with_bodies_equals_brute_force_without_pairs_of_their_faces() {
         let (mesh, positions) = scene(seed, is_body);
         // Steps so small that the later searches look only where certificates have expired.
         let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
-        for step in 0..3 {
-            let shift = 1e-4 * f64::from(step);
-            let moved: Vec<[f64; 3]> = positions.iter().map(|&[x, y, z]| [x + shift * y, y, z - shift * x]).collect();
+        // Bodies move, stay, and move again.
+        for (step, step_of_bodies) in (0..).zip([0, 1, 1, 1, 2]) {
+            let moved = (0..).zip(&positions).map(|(vertex, &[x, y, z])| {
+                let is_body = mesh.is_body(VertexId(vertex));
+                let shift = 1e-4 * f64::from(if is_body { step_of_bodies } else { step });
+                [x + shift * y, y, z - shift * x]
+            });
+            let moved: Vec<[f64; 3]> = moved.collect();
             let frame = Frame::new(&mesh, &moved).unwrap();
             intersector.intersect(&mesh, &frame, &mut found);
             let is_body_edge = |edge| mesh.is_body(mesh.edge(edge)[0]);

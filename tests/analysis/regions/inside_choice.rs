@@ -128,6 +128,13 @@ fn inside_with_layers_or_pins_overrides_the_smaller_side() {
     assert_eq!(regions_of(&analyse(description.clone(), &positions, &ignored).1), above);
     assert_eq!(regions_of(&analyse(description.clone(), &positions, &Settings::default()).1), below);
 
+    // A body lies further in than all layers, whatever its number.
+    for number in [0, 9] {
+        let layers = (0..242).map(|vertex| if vertex < 121 { number } else { 1 }).collect();
+        let with_body = MeshDescription { body: (0..121).collect(), layers: Some(layers), ..description.clone() };
+        assert_eq!(regions_of(&analyse(with_body, &positions, &Settings::default()).1), below, "{number}");
+    }
+
     let pinned = MeshDescription { pins: vec![above[0]], ..description };
     let settings = Settings { pinned_outside: true, ..ignored.clone() };
     assert_eq!(regions_of(&analyse(pinned.clone(), &positions, &settings).1), below);

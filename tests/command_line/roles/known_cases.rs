@@ -35,7 +35,7 @@ fn fix_beside_a_body_that_overlaps_itself_ends_clean_and_outside() {
 
 #[test]
 fn fix_of_suits_on_their_body_ends_clean_and_outside() {
-    for suit in ["male_casualsuit02", "male_elegantsuit01"] {
+    for suit in ["male_casualsuit02", "male_elegantsuit01", "female_elegantsuit01"] {
         fix_known("makehuman", suit, &["body"]);
     }
 }

@@ -4,7 +4,7 @@ use untangled_checker::{crossings, near_pairs, vertices_behind, vertices_inside}
 use untangled_mesh_io::read_mesh;
 use untangled_testkit::generate::{
     Sheet,
-    outfits::{Outfit, Pose},
+    outfits::{GARMENTS, Outfit, Pose},
 };
 
 use super::{check, write};
@@ -111,14 +111,15 @@ fn check_with_layers_counts_vertices_behind_and_is_not_clean_with_some() {
 }
 
 #[test]
-fn fix_of_outfits_of_three_layers_on_a_body_in_poses_ends_clean_in_order_and_with_the_gap() {
+fn fix_of_outfits_of_four_layers_on_a_body_in_poses_ends_clean_in_order_and_with_the_gap() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let files = ["shirt.obj", "trousers.obj", "jacket.obj"];
-    for (arms, legs, around) in
-        [([0.6, 0.6], [0.1, 0.1], 28), ([1.5, 0.8], [0.3, 0.05], 28), ([1.1, 0.4], [0.2, 0.0], 40)]
-    {
-        let outfit = Outfit::new(Pose { arms, legs }, around);
+    let files = GARMENTS.map(|name| format!("{name}.obj"));
+    let files = files.each_ref().map(String::as_str);
+    // All of them are in docs/results/outfits.md.
+    for (pose, around) in [(Pose::ALL[0], 28), (Pose::ALL[2], 40)] {
+        let arms = pose.arms;
+        let outfit = Outfit::new(pose, around);
         write(path, "body.obj", &outfit.body);
         files.iter().zip(&outfit.layers).for_each(|(file, layer)| write(path, file, layer));
         let before: Vec<[f64; 3]> = outfit.layers.iter().flat_map(|layer| layer.positions.clone()).collect();

@@ -2,10 +2,13 @@
 
 use std::time::Duration;
 
-use untangled_checker::vertices_behind_layers;
+use untangled_checker::{vertices_behind_layers, vertices_inside};
 use untangled_client::{Precision, Registration, Repair, Session};
 use untangled_testkit::{
-    generate::Sheet,
+    generate::{
+        Sheet,
+        outfits::{Outfit, Pose},
+    },
     process::{Daemon, STEP, TestDomain},
 };
 
@@ -131,4 +134,53 @@ fn rest_positions_decide_what_is_outwards_for_all_frames_and_else_each_frame_doe
         answers.push((repair.header().flags, repair.displacements_f64().unwrap().to_vec()));
     }
     assert!(answers[0] == answers[1], "a frame hangs on the one before");
+}
+
+#[test]
+fn repairs_of_an_outfit_on_a_body_that_moves_are_certified_from_a_tangled_first_frame_on() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let client = domain.connect();
+    // Arms and legs of the body go apart, and carry the cloth.
+    let pose = |frame: u32| {
+        let turn = 0.02 * f64::from(frame);
+        Pose { arms: [0.8 + turn, 0.6 + turn], legs: [0.1 + turn, turn] }
+    };
+    let (world, start) = Outfit::new(pose(0), 20).world();
+    let cloth = 0..world.body[0];
+    let is_cloth = |corners: &&[u32; 3]| corners.iter().all(|corner| cloth.contains(corner));
+    let garments: Vec<[u32; 3]> = world.faces.iter().filter(is_cloth).copied().collect();
+    let body = &world.faces[garments.len()..];
+    let numbers = world.layers.clone().unwrap();
+    let are_outwards = vec![true; garments.len()];
+    let wrong = |positions: &[[f64; 3]]| {
+        let num_behind = vertices_behind_layers(positions, &garments, &numbers, &are_outwards).unwrap().len();
+        (num_behind, vertices_inside(positions, cloth.clone(), body).unwrap().len())
+    };
+    let registration = Registration {
+        num_vertices: world.num_vertices,
+        triangles: world.faces.clone(),
+        layers: world.layers.clone(),
+        body: world.body.clone(),
+        precision: Precision::F64,
+        repairs: true,
+        ..Registration::default()
+    };
+    let mut session = client.register(registration).unwrap();
+    let (mut positions, mut carried) = (start.clone(), start.clone());
+    assert!(wrong(&start).0 > 20);
+    for frame in 0..4 {
+        let next = Outfit::new(pose(frame), 20).world().1;
+        for (at, (from, to)) in positions.iter_mut().zip(carried.iter().zip(&next)) {
+            *at = std::array::from_fn(|k| at[k] + (to[k] - from[k]));
+        }
+        carried = next;
+        let repair = session.repair_f64(STEP, LONG, |slots| slots.copy_from_slice(&positions)).unwrap();
+        assert!(repair.is_certified(), "{frame}: {:?}", repair.header());
+        for (at, step) in positions.iter_mut().zip(repair.displacements_f64().unwrap()) {
+            *at = std::array::from_fn(|k| at[k] + step[k]);
+        }
+        drop(repair);
+        assert_eq!(wrong(&positions), (0, 0), "{frame}");
+    }
 }

@@ -113,7 +113,7 @@ impl Intersector {
     fn search(&mut self, mesh: &Mesh, frame: &Frame, limits: SearchLimits, rounds: &mut Rounds<'_>) -> SearchEnd {
         if self.bvh.prepare(mesh, frame) {
             self.one_rings = OneRings::new(mesh, self.bvh.faces());
-            self.cache.reset(&self.bvh, &self.one_rings);
+            self.cache.reset(mesh, &self.bvh, &self.one_rings);
         }
         let max_pairs = self.max_certificates(limits);
         if self.cache.pairs.len() > max_pairs {

@@ -18,7 +18,12 @@ impl Mesh {
     pub fn new(description: MeshDescription) -> Result<Self, MeshError> {
         validate(&description)?;
         let is_body = description.are_body_vertices();
-        let MeshDescription { num_vertices, faces, uvs, rest_positions, masses_kg, pins, layers, body } = description;
+        let MeshDescription { num_vertices, faces, uvs, rest_positions, masses_kg, pins, mut layers, body } =
+            description;
+        for (number, _) in layers.iter_mut().flatten().zip(&is_body).filter(|(_, is_body)| **is_body) {
+            // Whatever it was given: no layer belongs inside of a body.
+            *number = 0;
+        }
         let faces: Vec<[VertexId; 3]> = faces.into_iter().map(|corners| corners.map(VertexId)).collect();
 
         let Edges { edges, face_edges } = number_edges(&faces);

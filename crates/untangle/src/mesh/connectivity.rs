@@ -259,7 +259,7 @@ impl Mesh {
         self.is_pinned[vertex.index()]
     }
 
-    /// Layer of each vertex, if given, from the body outwards.
+    /// Layer of each vertex, if given, from the body outwards; 0 for vertices of bodies.
     #[must_use]
     pub fn layers(&self) -> Option<&[u32]> {
         self.layers.as_deref()

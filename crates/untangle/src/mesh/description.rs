@@ -15,7 +15,7 @@ pub struct MeshDescription {
     pub masses_kg: Option<Vec<f64>>,
     /// Vertices that the host does not let move.
     pub pins: Vec<u32>,
-    /// Layer of each vertex, `num_vertices`, from the body outwards.
+    /// Layer of each vertex, `num_vertices`, from the body outwards; that of vertices of bodies plays no part.
     pub layers: Option<Vec<u32>>,
     /// Vertices of bodies: kinematic, moved by the host alone, and pinned here. Faces have all or none of their corners
     /// among them. Cloth belongs outside; two faces of bodies are never searched for intersections.

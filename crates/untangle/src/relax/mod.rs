@@ -11,6 +11,7 @@
 //! | `relaxer` | the state of a relaxation under way |
 //! | `escape` | the nearest plan: sheets leave each other by the shortest motions |
 //! | `resolve` | iterations of trial displacements |
+//! | `nudge` | single vertices, for the little that is left |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
 //! | `solver` | all plans, one after the other |
@@ -24,6 +25,7 @@ mod constraints;
 mod energy;
 mod escape;
 mod flattening;
+mod nudge;
 mod outcome;
 mod plan;
 mod proposal;

@@ -6,6 +6,7 @@ use super::{
     constraints::Objective,
     escape::descend,
     flattening::flatten,
+    nudge::nudge,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
     plan::{
         Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths,
@@ -138,10 +139,10 @@ fn escape(
             end = resolve(relaxer, objective, Pace::Usual, stall, best, progress)?;
         }
         if relaxer.is_on_wrong_side_only() {
-            break;
+            return Ok(end);
         }
     }
-    Ok(end)
+    if end == End::Stuck { nudge(relaxer, best, progress) } else { Ok(end) }
 }
 
 /// Analyses the input. Gives back what there is to know about the island of paths that has most.

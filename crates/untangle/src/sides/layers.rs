@@ -118,11 +118,10 @@ impl Layers {
     pub fn behind(&self, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<WrongSide> {
         let state = LayerState::of(self, mesh, positions);
         let vertices: Vec<VertexId> = cloth_vertices(mesh).collect();
-        let behind = vertices.par_iter().filter_map(|&vertex| {
-            let way = state.behind(positions[vertex.index()], state.number_of(vertex))?;
-            Some(WrongSide { vertex, way })
-        });
-        behind.collect()
+        let behind = |&vertex: &VertexId| {
+            state.behind(positions[vertex.index()], state.number_of(vertex)).map(|way| WrongSide { vertex, way })
+        };
+        vertices.par_iter().filter_map(behind).collect()
     }
 }
 

@@ -3,16 +3,38 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Rotation3, Vector3};
+use untangle::mesh::MeshDescription;
 
 use super::Sheet;
 
 /// How a body stands: angles in radians.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Of both arms, from straight down outwards.
     pub arms: [f64; 2],
     /// Of both legs, from straight down outwards.
     pub legs: [f64; 2],
+}
+
+impl Pose {
+    /// Ten poses: arms down, so that sleeves lie against the torso, up to overhead; legs that nearly touch, up to far
+    /// apart.
+    pub const ALL: [Self; 10] = [
+        Self::new([0.6, 0.6], [0.1, 0.1]),
+        Self::new([1.5, 0.8], [0.3, 0.05]),
+        Self::new([1.1, 0.4], [0.2, 0.0]),
+        Self::new([0.45, 0.45], [0.0, 0.0]),
+        Self::new([1.57, 1.57], [0.4, 0.4]),
+        Self::new([2.4, 2.4], [0.1, 0.1]),
+        Self::new([2.8, 0.5], [0.0, 0.3]),
+        Self::new([0.5, 2.0], [0.5, -0.03]),
+        Self::new([0.5, 1.0], [-0.04, -0.02]),
+        Self::new([0.8, 0.8], [0.8, 0.8]),
+    ];
+
+    const fn new(arms: [f64; 2], legs: [f64; 2]) -> Self {
+        Self { arms, legs }
+    }
 }
 
 /// A limb, or the torso: a capsule from a joint along a direction.
@@ -25,14 +47,17 @@ struct Limb {
     radius: f64,
 }
 
-/// A body whose parts overlap at shoulders and hips, and a shirt, trousers and a jacket on it.
+/// A body whose parts overlap at shoulders and hips, and a shirt, trousers, a jacket and a belt on it.
 #[derive(Clone, Debug)]
 pub struct Outfit {
     /// The body.
     pub body: Sheet,
     /// Garments from the body outwards. Their faces point outwards.
-    pub layers: [Sheet; 3],
+    pub layers: [Sheet; 4],
 }
+
+/// The names of the garments.
+pub const GARMENTS: [&str; 4] = ["shirt", "trousers", "jacket", "belt"];
 
 const TORSO: Limb = Limb { joint: Vector3::new(0.0, 0.0, 0.45), angle: 0.0, length: 0.9, radius: 0.3 };
 
@@ -77,7 +102,8 @@ impl Limb {
 }
 
 impl Outfit {
-    /// An outfit whose torso tubes have so many vertices around. The jacket's folds go through the shirt.
+    /// An outfit whose torso tubes have so many vertices around. The jacket's folds go through the shirt and
+    /// the belt.
     #[must_use]
     pub fn new(pose: Pose, around: u32) -> Self {
         let [arms, legs] = [
@@ -87,12 +113,30 @@ impl Outfit {
         let mut body = Sheet::default();
         TORSO.add_body(&mut body, around);
         arms.iter().chain(&legs).for_each(|limb| limb.add_body(&mut body, around / 2));
-        let [mut shirt, mut trousers, mut jacket] = [Sheet::default(), Sheet::default(), Sheet::default()];
+        let [mut shirt, mut trousers, mut jacket, mut belt] = [(); 4].map(|()| Sheet::default());
         TORSO.add_tube(&mut shirt, [0.1, 0.85], 0.03, [0.02, 2.0], around);
         arms.iter().for_each(|arm| arm.add_tube(&mut shirt, [0.45, 0.8], 0.02, [0.01, 4.0], around / 2));
         legs.iter().for_each(|leg| leg.add_tube(&mut trousers, [0.55, 1.05], 0.02, [0.01, 4.0], around / 2));
         TORSO.add_tube(&mut jacket, [0.12, 0.8], 0.06, [0.035, 3.0], around + 5);
         arms.iter().for_each(|arm| arm.add_tube(&mut jacket, [0.47, 0.78], 0.04, [0.025, 3.0], around / 2 + 3));
-        Self { body, layers: [shirt, trousers, jacket] }
+        TORSO.add_tube(&mut belt, [0.6, 0.68], 0.085, [0.01, 2.0], around + 9);
+        Self { body, layers: [shirt, trousers, jacket, belt] }
+    }
+
+    /// All garments, then the body, as one mesh in layers, with its positions.
+    #[must_use]
+    pub fn world(&self) -> (MeshDescription, Vec<[f64; 3]>) {
+        let (mut positions, mut faces, mut layers) = (Vec::new(), Vec::new(), Vec::new());
+        let mut num_cloth = 0;
+        for (number, sheet) in (0..).zip(self.layers.iter().chain([&self.body])) {
+            num_cloth = u32::try_from(positions.len()).expect("a small mesh");
+            faces.extend(sheet.faces.iter().map(|face| face.map(|corner| corner + num_cloth)));
+            positions.extend_from_slice(&sheet.positions);
+            layers.resize(positions.len(), number);
+        }
+        let num_vertices = positions.len();
+        let body = (num_cloth..u32::try_from(num_vertices).expect("a small mesh")).collect();
+        let description = MeshDescription { num_vertices, faces, layers: Some(layers), body, ..Default::default() };
+        (description, positions)
     }
 }

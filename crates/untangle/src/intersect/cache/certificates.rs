@@ -89,12 +89,12 @@ pub(in crate::intersect) struct CertificatesMut<'a> {
 
 impl CertificateCache {
     /// Starts over with another tree.
-    pub(in crate::intersect) fn reset(&mut self, bvh: &Bvh, one_rings: &OneRings) {
+    pub(in crate::intersect) fn reset(&mut self, mesh: &Mesh, bvh: &Bvh, one_rings: &OneRings) {
         *self = Self::default();
         let mut vertices = Vec::new();
         for faces in bvh.all_corners().chunks(WIDTH * LEAVES_PER_CLOCK) {
             vertices.extend(faces.iter().flatten());
-            self.leaf_clocks.push(&mut vertices);
+            self.leaf_clocks.push(mesh, &mut vertices);
         }
         for first in (0..one_rings.len()).step_by(STARS_PER_GROUP) {
             for ring in first..(first + STARS_PER_GROUP).min(one_rings.len()) {
@@ -102,7 +102,7 @@ impl CertificateCache {
                 vertices.push(ring.centre);
                 vertices.extend(ring.around);
             }
-            self.star_clocks.push(&mut vertices);
+            self.star_clocks.push(mesh, &mut vertices);
         }
         self.stars_m.resize(one_rings.len(), TOUCHING);
         self.star_groups_m.resize(one_rings.len().div_ceil(STARS_PER_GROUP), TOUCHING);
@@ -129,7 +129,7 @@ impl CertificateCache {
             self.margin_m = 0.0;
             return Mode::Cold;
         }
-        let longest = self.displacements.measure(&mut self.previous, positions);
+        let longest = self.displacements.measure(mesh, &mut self.previous, positions);
         if self.margin_m > 0.0 {
             self.leaf_clocks.advance(&self.displacements);
             self.star_clocks.advance(&self.displacements);

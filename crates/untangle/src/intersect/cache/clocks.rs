@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::displacements::{Displacements, MIN_VERTICES_PER_TASK, ROUNDING};
-use crate::mesh::VertexId;
+use crate::mesh::{Mesh, VertexId};
 
 /// Sets of vertices, each with a clock that shows an upper bound of the distance that any of its vertices has moved, in
 /// metres.
@@ -12,13 +12,16 @@ pub(super) struct Clocks {
     offsets: Vec<u32>,
     vertices: Vec<VertexId>,
     times_m: Vec<f64>,
+    /// For each set whether all of its vertices are those of bodies.
+    are_bodies: Vec<bool>,
 }
 
 impl Clocks {
     /// Adds the set of the given vertices, which are drained.
-    pub(super) fn push(&mut self, vertices: &mut Vec<VertexId>) {
+    pub(super) fn push(&mut self, mesh: &Mesh, vertices: &mut Vec<VertexId>) {
         vertices.sort_unstable();
         vertices.dedup();
+        self.are_bodies.push(vertices.iter().all(|&vertex| mesh.is_body(vertex)));
         if self.offsets.is_empty() {
             self.offsets.push(0);
         }
@@ -34,8 +37,12 @@ impl Clocks {
 
     /// Advances each clock by the largest displacement in its set.
     pub(super) fn advance(&mut self, displacements: &Displacements) {
-        let (offsets, vertices) = (&self.offsets, &self.vertices);
+        let (offsets, vertices, are_bodies) = (&self.offsets, &self.vertices, &self.are_bodies);
+        let are_bodies_still = displacements.are_bodies_still();
         self.times_m.par_iter_mut().with_min_len(MIN_VERTICES_PER_TASK / 8).enumerate().for_each(|(set, time_m)| {
+            if are_bodies_still && are_bodies[set] {
+                return;
+            }
             let of_set = &vertices[offsets[set] as usize..offsets[set + 1] as usize];
             let longest = of_set.iter().fold(0.0, |longest, vertex| {
                 let square = displacements.square(vertex.index());

@@ -1,7 +1,10 @@
-//! How far vertices moved since the last frame, except for a translation that all share.
+//! How far vertices moved since the last frame, except for a translation that all share. Bodies that stay share none,
+//! and cost no more than a look at whether they do.
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+
+use crate::mesh::{Mesh, VertexId};
 
 /// Least number of vertices that one thread takes at a time.
 pub(super) const MIN_VERTICES_PER_TASK: usize = 1024;
@@ -16,6 +19,8 @@ pub(super) struct Displacements {
     squares: Vec<f64>,
     /// The longest displacement, translation included, in metres: what rounding goes by.
     longest_total_m: f64,
+    /// Whether there are bodies, no vertex of which has moved.
+    are_bodies_still: bool,
 }
 
 impl Displacements {
@@ -29,6 +34,11 @@ impl Displacements {
         self.squares[vertex]
     }
 
+    /// Whether there are bodies, no vertex of which has moved: their displacements are zero.
+    pub(super) fn are_bodies_still(&self) -> bool {
+        self.are_bodies_still
+    }
+
     /// An upper bound of the length, in metres, from the square as computed. Squares that underflow to zero are of
     /// lengths below 1e-160 metres.
     pub(super) fn bound_m(&self, square: f64) -> f64 {
@@ -39,12 +49,18 @@ impl Displacements {
     /// metres.
     ///
     /// Cost: linear in the vertices, in parallel.
-    pub(super) fn measure(&mut self, previous: &mut [Point3<f64>], positions: &[Point3<f64>]) -> f64 {
-        let translation = mean_displacement(previous, positions);
+    pub(super) fn measure(&mut self, mesh: &Mesh, previous: &mut [Point3<f64>], positions: &[Point3<f64>]) -> f64 {
+        let are_bodies_still = are_bodies_still(mesh, previous, positions);
+        self.are_bodies_still = are_bodies_still;
+        let translation = if are_bodies_still { Vector3::zeros() } else { mean_displacement(previous, positions) };
         let squares = self.squares.par_chunks_mut(MIN_VERTICES_PER_TASK);
         let previous = previous.par_chunks_mut(MIN_VERTICES_PER_TASK);
         let chunks = squares.zip(previous).zip(positions.par_chunks(MIN_VERTICES_PER_TASK));
-        let of_chunks = chunks.map(|((squares, previous), positions)| {
+        let of_chunks = chunks.enumerate().map(|(chunk, ((squares, previous), positions))| {
+            if are_bodies_still && of_chunk(chunk, squares.len()).all(|vertex| mesh.is_body(vertex)) {
+                squares.fill(0.0);
+                return (0.0, 0.0);
+            }
             let (mut longest, mut longest_total) = (0.0, 0.0);
             for ((square, before), now) in squares.iter_mut().zip(previous).zip(positions) {
                 let moved = now - *before;
@@ -61,6 +77,24 @@ impl Displacements {
         self.longest_total_m = longest_total;
         self.bound_m(longest)
     }
+}
+
+/// The vertices of a chunk.
+fn of_chunk(chunk: usize, length: usize) -> impl Iterator<Item = VertexId> {
+    let first = chunk * MIN_VERTICES_PER_TASK;
+    (first..first + length).map(VertexId::from_index)
+}
+
+/// Whether there are bodies, and all of their vertices are where they were.
+fn are_bodies_still(mesh: &Mesh, previous: &[Point3<f64>], positions: &[Point3<f64>]) -> bool {
+    let chunks = previous.par_chunks(MIN_VERTICES_PER_TASK).zip(positions.par_chunks(MIN_VERTICES_PER_TASK));
+    mesh.has_body()
+        && chunks.enumerate().all(|(chunk, (previous, positions))| {
+            let places = previous.iter().zip(positions);
+            of_chunk(chunk, previous.len())
+                .zip(places)
+                .all(|(vertex, (before, now))| before == now || !mesh.is_body(vertex))
+        })
 }
 
 /// Of some 512 vertices: any translation is right, and that of some is close to the best one.

@@ -20,3 +20,4 @@ mod score;
 pub(super) mod tests;
 
 pub(super) use descent::descend;
+pub(super) use limits::ShapeLimits;
