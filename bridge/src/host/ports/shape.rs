@@ -44,7 +44,7 @@ impl<'a> Shape<'a> {
             num_faces: sections.bytes(id::TRIANGLES).map_or(0, <[u8]>::len) as u64 / 12,
             precision: Precision::from_code(params.precision)?,
             layout,
-            options: SessionOptions::from_bits(bits)?,
+            options: known_options(bits),
             services,
         })
     }
@@ -81,5 +81,23 @@ impl<'a> Shape<'a> {
             Ok(_) => Ok(()),
             Err(error) => Err(Refusal::new(Status::Internal, format_args!("/dev/shm: {error}"))),
         }
+    }
+}
+
+/// The options among these bits that this release knows: which services a session has is said by the daemon end, and
+/// what a later release asks for besides is between host and daemon.
+fn known_options(bits: u32) -> SessionOptions {
+    let known = SessionOptions::NAMES.iter().map(|(_, option)| *option).filter(|option| bits & option.bits() != 0);
+    known.fold(SessionOptions::default(), SessionOptions::with)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_options_leave_out_bits_of_later_releases() {
+        assert_eq!(known_options(1 << 30 | 4 | 1), SessionOptions::SPARSE.with(SessionOptions::REPAIR));
+        assert_eq!(known_options(0), SessionOptions::default());
     }
 }
