@@ -16,7 +16,7 @@ export function tables(page: PageData): HTMLElement[] {
   }
   for (const [name, value] of Object.entries(report)) {
     if (ELSEWHERE.has(name) || name === "before" || name === "after") continue;
-    sections.push(section(name, value));
+    sections.push(...tablesOf(label(name), name, value));
   }
   if (page.sequence)
     sections.push(
@@ -41,15 +41,20 @@ function isPlain(value: Json): boolean {
   );
 }
 
-function section(name: string, value: Json): HTMLElement | null {
+/** A list, or an object and what is inside of it. */
+function tablesOf(title: string, name: string, value: Json): (HTMLElement | null)[] {
   if (Array.isArray(value)) {
     const rows = value.filter(isObject);
-    return rows.length > 0 ? list(label(name), rows) : null;
+    return rows.length > 0 ? [list(title, rows)] : [];
   }
-  if (!isObject(value) || Object.keys(value).length === 0) return null;
-  // Counts by type and times by stage have their unit in the name of the whole.
+  if (!isObject(value) || Object.keys(value).length === 0) return [];
+  // Times by stage have their unit in the name of the whole.
   const unit = /_us$/.test(name) ? "_us" : "";
-  return scalars(label(name), value, unit);
+  const inner = Object.entries(value).filter(([, item]) => !isPlain(item));
+  return [
+    scalars(title, value, unit),
+    ...inner.flatMap(([name, item]) => tablesOf(`${title}: ${label(name).toLowerCase()}`, name, item)),
+  ];
 }
 
 function scalars(title: string, object: JsonObject, unit = ""): HTMLElement | null {

@@ -78,6 +78,7 @@ export function valueWords(name: string, value: Json): string {
     return digits(value);
   }
   if (typeof value === "string") return value;
+  if (Array.isArray(value) && value.length === 0) return "none";
   if (Array.isArray(value))
     return value.map((item) => valueWords(name, item)).join(name === "between" ? " and " : ", ");
   return Object.entries(value)
