@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use iceoryx2::prelude::Node;
+
 use super::changes::ChangeDetector;
 use crate::{Domain, node as nodes, services::Ipc};
 

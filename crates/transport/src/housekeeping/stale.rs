@@ -12,6 +12,7 @@ use std::{
 };
 
 use iceoryx2::prelude::Config;
+
 use crate::{
     Domain, memory, node,
     process_id::{self, ProcessId},
@@ -118,6 +119,7 @@ mod tests {
     use std::fs;
 
     use iceoryx2::prelude::SignalHandlingMode;
+
     use crate::{lock::WipeOnLeave, services};
 
     use super::*;
