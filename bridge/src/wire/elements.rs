@@ -5,7 +5,7 @@
 //! once. What comes out is what went in, to the bit; where that is shorter, all elements are sent as they are.
 //!
 //! Layout, little-endian: form `u32`, number of the set of pins `u32`, number of entries `u32`, zero `u32`; in form
-//! [`NEW_PINS`] a bit for each element, in bytes; entries of an index `u32` and an element, or all elements.
+//! 3 (a new set of pins) a bit for each element, in bytes; entries of an index `u32` and an element, or all elements.
 
 use untangled_proto::{PositionF32, PositionF64, VertexCorrection, flags};
 

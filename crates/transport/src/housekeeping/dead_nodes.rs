@@ -2,9 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use iceoryx2::prelude::Node;
+
 use super::changes::ChangeDetector;
 use crate::{Domain, node as nodes, services::Ipc};
-use iceoryx2::prelude::Node;
 
 /// When dead nodes were last looked for.
 #[derive(Debug)]

@@ -11,11 +11,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use iceoryx2::prelude::Config;
+
 use crate::{
     Domain, memory, node,
     process_id::{self, ProcessId},
 };
-use iceoryx2::prelude::Config;
 
 /// Sweeps in which a file must look stale before it is removed: by then dead nodes have been cleaned up several times.
 const SWEEPS: u32 = 5;
@@ -117,8 +118,9 @@ fn living_processes(config: &Config) -> Result<HashSet<ProcessId>> {
 mod tests {
     use std::fs;
 
-    use crate::{lock::WipeOnLeave, services};
     use iceoryx2::prelude::SignalHandlingMode;
+
+    use crate::{lock::WipeOnLeave, services};
 
     use super::*;
 
