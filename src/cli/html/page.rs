@@ -92,8 +92,8 @@ impl<R: Serialize> PageData<R> {
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; \
              style-src 'unsafe-inline'; img-src data: blob:\">\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <noscript>This page draws its picture and its tables by a script inside of this file. Allow scripts to see \
-             them; nothing is fetched from anywhere.</noscript>\n\
+             <noscript>This page draws its picture and its tables by a script inside of this file. Allow scripts to \
+             see them; nothing is fetched from anywhere.</noscript>\n\
              <div id=\"page\"></div>\n<script type=\"application/json\" id=\"data\">{data}</script>\n\
              <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
         )

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::cli::fix::{FixError, Target};
 
-/// The place of a page. Only names that end in .html or .htm are taken: a file of another kind that was named by mistake
-/// is not replaced.
+/// The place of a page. Only names that end in .html or .htm are taken: a file of another kind that was named by
+/// mistake is not replaced.
 ///
 /// # Errors
 /// [`FixError::Target`], as for every output.

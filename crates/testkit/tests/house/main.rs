@@ -17,8 +17,8 @@ use graph::{Graph, circles};
 use modules::Package;
 
 /// Sources, documents and everything else that people read.
-const READ_BY_PEOPLE: [&str; 14] =
-    ["rs", "md", "py", "pyi", "c", "h", "cpp", "hpp", "toml", "cmake", "yml", "sh", "service", "run"];
+const READ_BY_PEOPLE: [&str; 16] =
+    ["rs", "md", "py", "pyi", "c", "h", "cpp", "hpp", "toml", "cmake", "yml", "sh", "service", "run", "ts", "mjs"];
 const MAX_COLUMNS: usize = 120;
 const MAX_FILES_OF_A_FOLDER: usize = 10;
 
