@@ -236,7 +236,7 @@ fn animated(domain: &TestDomain, pose: Pose, around: u32) -> Result<String, Fail
     let (mut num_certified, mut after, mut seconds) = (0, Verdict::default(), [0.0; 2]);
     let mut carried = start.clone();
     for frame in 0..FRAMES {
-        let next = Outfit::new(turned(pose, frame), around).world().1;
+        let next = Outfit::cut_for(pose, turned(pose, frame), around).world().1;
         for (at, (from, to)) in positions.iter_mut().zip(carried.iter().zip(&next)) {
             *at = std::array::from_fn(|k| (f64::from(at[k]) + (to[k] - from[k])) as f32);
         }
