@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A ball of 100,000 triangles, and an open tube of 30,000 round it that is clean, or of which a tenth of the vertices
-//! is inside. The cloth moves a little in each frame; the body stays, or moves with it, or is not there. The daemon is a
-//! process of this program; times are means of FRAMES (60) frames after ten others.
+//! is inside. The cloth moves a little in each frame; the body stays, or moves with it, or is not there. The daemon is
+//! a process of this program; times are means of FRAMES (60) frames after ten others.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::cast_precision_loss, reason = "prints a table of means")]
 

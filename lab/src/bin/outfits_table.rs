@@ -7,7 +7,7 @@
 //! POSES (all) are so many of the poses. Everything is judged by the checker, whose code the repair has no part in. The
 //! daemon of the animated outfits is a process of this program.
 
-#![allow(clippy::print_stdout, clippy::cast_precision_loss, reason = "prints a document of means and ratios")]
+#![allow(clippy::print_stdout, clippy::cast_possible_truncation, reason = "prints a document; single precision")]
 
 use std::{
     ops::ControlFlow,
@@ -50,11 +50,17 @@ fn main() -> Result<(), Failure> {
         return Ok(());
     }
     let num_poses = arguments.get(1).map_or(Ok(Pose::ALL.len()), |count| count.parse())?;
+    let poses = &Pose::ALL[..num_poses.min(Pose::ALL.len())];
+    print_still(poses)?;
+    print_animated(poses)
+}
+
+fn print_still(poses: &[Pose]) -> Result<(), Failure> {
     print_text(
         "# Outfits\n\n\
          A generated body with arms and legs, whose parts overlap, and on it a shirt, trousers, a jacket and a belt, \
-         each through those below it, in ten poses: sleeves from against the torso to overhead, legs from nearly \
-         touching to apart. Made by\n\n\
+         each through those below it, cut below the armpits, in ten poses: sleeves from against the torso to \
+         overhead, legs from nearly touching to apart. Made by\n\n\
          ```sh\n\
          cargo run --release -p untangled-lab --bin outfits_table > docs/results/outfits.md\n\
          ```\n\n\
@@ -81,10 +87,14 @@ fn main() -> Result<(), Failure> {
         "s",
     ]);
     for around in RESOLUTIONS {
-        for (number, pose) in (1..).zip(&Pose::ALL[..num_poses]) {
+        for (number, pose) in (1..).zip(poses) {
             println!("| {number} | {}", still(*pose, around)?);
         }
     }
+    Ok(())
+}
+
+fn print_animated(poses: &[Pose]) -> Result<(), Failure> {
     print_text(
         "\n## Animated through the daemon\n\n\
          The body turns all its limbs by 0.02 rad in each frame, and carries the cloth; the first frame is tangled. \
@@ -107,7 +117,7 @@ fn main() -> Result<(), Failure> {
     let domain = TestDomain::new();
     let client_role = |_: &str, _: &str| unreachable!("no client is a process of this program");
     let running = Programs { daemon, client: client_role }.start_daemon(&domain);
-    for (number, pose) in (1..).zip(&Pose::ALL[..num_poses]) {
+    for (number, pose) in (1..).zip(poses) {
         println!("| {number} | {}", animated(&domain, *pose, RESOLUTIONS[0])?);
     }
     assert!(running.stop(Signal::TERM).success());
@@ -236,7 +246,7 @@ fn animated(domain: &TestDomain, pose: Pose, around: u32) -> Result<String, Fail
     let (mut num_certified, mut after, mut seconds) = (0, Verdict::default(), [0.0; 2]);
     let mut carried = start.clone();
     for frame in 0..FRAMES {
-        let next = Outfit::new(turned(pose, frame), around).world().1;
+        let next = Outfit::cut_for(pose, turned(pose, frame), around).world().1;
         for (at, (from, to)) in positions.iter_mut().zip(carried.iter().zip(&next)) {
             *at = std::array::from_fn(|k| (f64::from(at[k]) + (to[k] - from[k])) as f32);
         }

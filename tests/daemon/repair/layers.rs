@@ -170,7 +170,7 @@ fn repairs_of_an_outfit_on_a_body_that_moves_are_certified_from_a_tangled_first_
     let (mut positions, mut carried) = (start.clone(), start.clone());
     assert!(wrong(&start).0 > 20);
     for frame in 0..4 {
-        let next = Outfit::new(pose(frame), 20).world().1;
+        let next = Outfit::cut_for(pose(0), pose(frame), 20).world().1;
         for (at, (from, to)) in positions.iter_mut().zip(carried.iter().zip(&next)) {
             *at = std::array::from_fn(|k| at[k] + (to[k] - from[k]));
         }

@@ -102,10 +102,18 @@ impl Limb {
 }
 
 impl Outfit {
-    /// An outfit whose torso tubes have so many vertices around. The jacket's folds go through the shirt and
-    /// the belt.
+    /// An outfit whose torso tubes have so many vertices around. The jacket's folds go through the shirt and the belt.
     #[must_use]
     pub fn new(pose: Pose, around: u32) -> Self {
+        Self::cut_for(pose, pose, around)
+    }
+
+    /// The same with garments that were cut for another pose: of the same faces in all poses. They have no holes for
+    /// arms, so that those of the torso begin below the armpits.
+    #[must_use]
+    pub fn cut_for(cut: Pose, pose: Pose, around: u32) -> Self {
+        let below_armpits = cut.arms.map(|angle| 0.2 * angle.cos() / angle.sin());
+        let top = below_armpits.into_iter().fold(0.1, f64::max);
         let [arms, legs] = [
             [Limb::arm(-1.0, pose.arms[0]), Limb::arm(1.0, pose.arms[1])],
             [Limb::leg(-1.0, pose.legs[0]), Limb::leg(1.0, pose.legs[1])],
@@ -114,10 +122,10 @@ impl Outfit {
         TORSO.add_body(&mut body, around);
         arms.iter().chain(&legs).for_each(|limb| limb.add_body(&mut body, around / 2));
         let [mut shirt, mut trousers, mut jacket, mut belt] = [(); 4].map(|()| Sheet::default());
-        TORSO.add_tube(&mut shirt, [0.1, 0.85], 0.03, [0.02, 2.0], around);
+        TORSO.add_tube(&mut shirt, [top, 0.85], 0.03, [0.02, 2.0], around);
         arms.iter().for_each(|arm| arm.add_tube(&mut shirt, [0.45, 0.8], 0.02, [0.01, 4.0], around / 2));
         legs.iter().for_each(|leg| leg.add_tube(&mut trousers, [0.55, 1.05], 0.02, [0.01, 4.0], around / 2));
-        TORSO.add_tube(&mut jacket, [0.12, 0.8], 0.06, [0.035, 3.0], around + 5);
+        TORSO.add_tube(&mut jacket, [top + 0.02, 0.8], 0.06, [0.035, 3.0], around + 5);
         arms.iter().for_each(|arm| arm.add_tube(&mut jacket, [0.47, 0.78], 0.04, [0.025, 3.0], around / 2 + 3));
         TORSO.add_tube(&mut belt, [0.6, 0.68], 0.085, [0.01, 2.0], around + 9);
         Self { body, layers: [shirt, trousers, jacket, belt] }
