@@ -40,7 +40,7 @@ def corner():
 
 
 def folded():
-    """A crumpled towel on the ground, folded twice so sharply that layers meet at the folds, with a wave through them."""
+    """A crumpled towel on the ground, folded twice so sharply that layers meet at the folds, a wave through them."""
     u, v, _, triangles = _grid(46, 16)
     third = 15 * EDGE
     layer = np.minimum(u // third, 2)

@@ -23,7 +23,7 @@ Three things help, each where the one before does not:
   leads back. Where layers are pressed together the solver's own steps may tangle them again, and the next frame is
   repaired again: clients/python/README.md has tables.
 
-By default VBD leaves out contacts of elements within two rings of each other, and where a fold is sharp it tangles those
+By default VBD leaves out contacts of elements within two rings of each other, and where a fold is sharp it tangles them
 again in every step: give it `particle_topological_contact_filter_threshold=1`.
 
 Arrays may be Warp's. Those of a GPU are copied: positions to the host and forces back in each step, positions and
