@@ -80,9 +80,9 @@ fn python_package_passes_its_tests_through_the_bridge() {
         return;
     }
     let scratch = std::env::temp_dir().join(format!("bridge-python-{}", std::process::id()));
-    let package = scratch.join("untangled");
+    let package = scratch.join("untangled_cloth");
     fs::create_dir_all(&scratch).unwrap();
-    run(Command::new("cp").arg("-r").arg(repository().join("clients/python/untangled")).arg(&package));
+    run(Command::new("cp").arg("-r").arg(repository().join("clients/python/untangled_cloth")).arg(&package));
     fs::copy(library, package.join("_native.abi3.so")).unwrap();
     let served = scratch.join("serve");
     fs::write(&served, include_str!("serve-bridged.sh")).unwrap();
