@@ -26,8 +26,8 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence:
 /// OUT.journal (numbered meshes get their names one by one): after Ctrl-C or a crash the same command goes on from
 /// there. --frames A..B writes that part, with the bytes that the whole has there, so that several machines can share
 /// the work: parts of numbered meshes are the files of the whole, and need no joining; a part as .pc2 or .mdd is a
-/// cache of those frames, to be joined frame by frame behind one header. --json prints a line for each frame as it is
-/// done, and the totals last (schema untangled.sequence/1).
+/// cache of those frames, which `untangled join` joins. --json prints a line for each frame as it is done, and the
+/// totals last (schema untangled.sequence/1).
 ///
 /// Exit code: 0 clean; 1 intersections remain, vertices inside of a body or behind an inner layer, or primitives nearer
 /// than the gap, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
