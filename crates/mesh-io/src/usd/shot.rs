@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     compose::Stage,
-    fault::UsdError,
+    fault::{Fault, UsdError},
     gather::{Gathering, StageMesh},
     layers::value::Value,
     place::Place,
@@ -31,6 +31,17 @@ pub(crate) struct UsdShot {
     places: Option<Arc<[Place]>>,
 }
 
+/// The length of a unit of a stage in metres.
+fn metres_per_unit(stage: &Stage) -> Result<f64, UsdError> {
+    match stage.metadata().get("metersPerUnit").and_then(Value::as_number) {
+        None => Ok(METRES_PER_UNIT),
+        Some(metres) if metres > 0.0 && metres.is_finite() => Ok(metres),
+        Some(metres) => {
+            Err(Fault::new(format!("metersPerUnit is {metres}, and must be more than 0")).at(stage.path.clone()))
+        }
+    }
+}
+
 /// The points of a frame, as singles one mesh after the other, and where they are.
 pub(super) type UsdFrame = (Vec<u8>, Arc<[Place]>);
 
@@ -41,8 +52,7 @@ impl UsdShot {
         let mut stage = Stage::open(path)?;
         let Gathering { meshes, mut data, .. } = Gathering::run(&mut stage, prim)?;
         let times = times(&stage, &meshes)?;
-        let scale = stage.metadata().get("metersPerUnit").and_then(Value::as_number);
-        let scale = scale.filter(|scale| *scale > 0.0).unwrap_or(METRES_PER_UNIT);
+        let scale = metres_per_unit(&stage)?;
         let first = first_number(&times);
         let mut shot = Self { stage, meshes, times, first, scale, places: None };
         if shot.meshes.iter().all(|mesh| mesh.xform.is_static()) {

@@ -107,6 +107,11 @@ fn layers_that_are_broken_are_refused_with_the_line() {
         (layer("subLayers = [@shot.usda@]", TRIANGLE), "/tri", ": is a sublayer of itself"),
         (layer("", "def \"a\" {\n    int b = [1\n}\n"), "/a", ":8: `]` is needed here"),
         (layer("", "def \"a\" {}\ndef \"a\" {}\n"), "/a", ":7: there are two prims `a` here"),
+        (
+            layer("", TRIANGLE).replace("metersPerUnit = 1", "metersPerUnit = 0"),
+            "/tri",
+            ": metersPerUnit is 0, and must be more than 0",
+        ),
         ("v 0 0 0\n".into(), "/a", ": is no USD file; expected .usda, .usdc or .usdz"),
         (String::new(), "/a", ": is no USD file; expected .usda, .usdc or .usdz"),
     ]);
