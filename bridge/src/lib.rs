@@ -8,8 +8,8 @@
 //! of it. Requests are queries; states and corrections are published. Both ends pass on what they have checked for
 //! length, and not for meaning.
 //!
-//! Modules, each using only those before it: `error`, `throttle`; [`wire`] (what crosses the network); [`metrics`];
-//! [`net`] (Zenoh, certificates, windows); `options`, `housekeeping`; [`host`], [`daemon`]; [`config`]; [`cli`].
+//! Modules, each using only those before it: `error`; [`wire`] (what crosses the network); [`metrics`]; [`net`]
+//! (Zenoh, certificates, windows); `options`, `housekeeping`; [`host`], [`daemon`]; [`config`]; [`cli`].
 
 pub mod cli;
 pub mod config;
@@ -20,5 +20,4 @@ mod housekeeping;
 pub mod metrics;
 pub mod net;
 pub mod options;
-mod throttle;
 pub mod wire;

@@ -17,9 +17,10 @@ use untangled_proto::names;
 use untangled_transport::{
     Domain,
     housekeeping::{Cleanup, DeadNodes, Finding},
-    lock::{DomainLock, LockError},
+    lock::DomainLock,
     memory, node,
     services::{self, Event, Ipc},
+    throttle::Throttle,
 };
 
 use super::{
@@ -30,7 +31,6 @@ use super::{
     pool::{Job, Pool, PoolOptions},
     requests::{ControlServer, RegistrationJob, Registry},
     session::Session,
-    throttle::Throttle,
 };
 
 /// Longest wait for an event.
@@ -72,7 +72,7 @@ pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) ->
     // What iceoryx2 reports is handled here and logged once; its own log is switched on by IOX2_LOG_LEVEL.
     set_log_level_from_env_or(LogLevel::Fatal);
     let options = &ServeOptions { max_sessions: make_room_for_descriptors(options.max_sessions), ..options.clone() };
-    let mut lock = lock(&options.domain)?;
+    let mut lock = DomainLock::acquire_patiently(&options.domain)?;
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
     lock.announce()?;
@@ -82,18 +82,6 @@ pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) ->
     lock.wipe_if_unused()?;
     lock.remove()?;
     result
-}
-
-/// Takes the domain's lock. A client that is just leaving may hold it for a moment.
-fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
-    const ATTEMPTS: u32 = 10;
-    for _ in 1..ATTEMPTS {
-        match DomainLock::acquire(domain) {
-            Err(LockError::Held { .. }) => std::thread::sleep(Duration::from_millis(20)),
-            other => return other,
-        }
-    }
-    DomainLock::acquire(domain)
 }
 
 /// What a worker does.

@@ -26,7 +26,6 @@ mod port_options;
 mod repair;
 pub mod requests;
 pub mod session;
-mod throttle;
 
 pub use daemon::{Shutdown, run};
 pub use error::{Refusal, ServeError};

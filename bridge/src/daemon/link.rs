@@ -11,7 +11,7 @@ use std::{
 use iceoryx2::port::listener::Listener;
 use untangled_client::RequestError;
 use untangled_proto::names;
-use untangled_transport::services::Ipc;
+use untangled_transport::{services::Ipc, throttle::Throttle};
 
 use super::{
     local::Local,
@@ -20,7 +20,6 @@ use super::{
 use crate::{
     metrics::{Metrics, count},
     net::{Outlet, Received},
-    throttle::Throttle,
     wire::{
         elements::Pins,
         message::{Envelope, Kind},

@@ -7,6 +7,7 @@ use std::{
 
 use untangled_client::RequestError;
 use untangled_proto::{PROTOCOL_VERSION, RequestKind, Status};
+use untangled_transport::throttle::Throttle;
 use zenoh::{Wait, query::Query};
 
 use super::{
@@ -18,7 +19,6 @@ use super::{
 use crate::{
     metrics::count,
     net::Outlet,
-    throttle::Throttle,
     wire::{
         keys,
         request::{Reply, Request, Services},

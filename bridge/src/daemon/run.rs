@@ -11,6 +11,7 @@ use std::{
 };
 
 use iceoryx2::prelude::{LogLevel, set_log_level_from_env_or};
+use untangled_transport::throttle::Throttle;
 use zenoh::{Wait, sample::Sample};
 
 use super::{
@@ -24,7 +25,6 @@ use crate::{
     metrics::{Server, count},
     net::{self, Urgency},
     options::Options,
-    throttle::Throttle,
     wire::{
         beacon::{self, DaemonBeacon, HostBeacon, Versions},
         keys,

@@ -5,9 +5,10 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
+use untangled_transport::throttle::Throttle;
 
 use super::session::Remote;
-use crate::{net::LOST_AFTER, throttle::Throttle, wire::beacon::DaemonBeacon};
+use crate::{net::LOST_AFTER, wire::beacon::DaemonBeacon};
 
 /// Most daemon ends that are remembered.
 const MAX_DAEMONS: usize = 256;

@@ -5,6 +5,7 @@
 //! | `front` | the place in the local domain: the services that clients look for |
 //! | `requests` | the way of a request to a daemon, and of its reply |
 //! | `directory` | the daemon ends that are there, and the choice among them |
+//! | `listen` | what it hears from the network |
 //! | `session`, `sessions`, `ports` | a session: its ports, and its link |
 //! | `status` | what this end says of itself |
 //! | `shared`, `run` | what the threads share, and the run loop |
@@ -15,6 +16,7 @@
 
 mod directory;
 mod front;
+mod listen;
 mod ports;
 mod refusal;
 mod requests;

@@ -12,17 +12,13 @@ use std::{
 
 use iceoryx2::prelude::{LogLevel, SignalHandlingMode, set_log_level_from_env_or};
 use untangled_proto::names;
-use untangled_transport::{
-    Domain,
-    housekeeping::DeadNodes,
-    lock::{DomainLock, LockError},
-    memory, node as nodes, services,
-};
-use zenoh::{Wait, sample::Sample};
+use untangled_transport::{housekeeping::DeadNodes, lock::DomainLock, memory, node as nodes, services};
+use zenoh::Wait;
 
 use super::{
     directory::Directory,
     front::{Doorbell, Inlet},
+    listen::subscribe,
     requests,
     sessions::Sessions,
     shared::Shared,
@@ -32,12 +28,11 @@ use crate::{
     error::BridgeError,
     housekeeping::Housekeeping,
     metrics::{Server, count},
-    net::{self, Network, Urgency},
+    net::{self, Urgency},
     options::Options,
     wire::{
-        beacon::{self, DaemonBeacon, HostBeacon, Versions},
+        beacon::{self, HostBeacon, Versions},
         keys,
-        message::Envelope,
     },
 };
 
@@ -56,7 +51,7 @@ const MAX_REQUESTS: usize = 64;
 pub fn run(options: &Options, shutdown: &AtomicBool, ready: impl FnOnce()) -> Result<(), BridgeError> {
     // What iceoryx2 reports is handled here; its own log is switched on by IOX2_LOG_LEVEL.
     set_log_level_from_env_or(LogLevel::Fatal);
-    let mut lock = take_lock(&options.domain)?;
+    let mut lock = DomainLock::acquire_patiently(&options.domain)?;
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
     let result = HostEnd::start(options).and_then(|mut end| {
@@ -70,18 +65,6 @@ pub fn run(options: &Options, shutdown: &AtomicBool, ready: impl FnOnce()) -> Re
     lock.wipe_if_unused()?;
     lock.remove()?;
     result
-}
-
-/// Takes the domain's lock. A client that is just leaving may hold it for a moment.
-fn take_lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
-    const ATTEMPTS: u32 = 10;
-    for _ in 1..ATTEMPTS {
-        match DomainLock::acquire(domain) {
-            Err(LockError::Held { .. }) => std::thread::sleep(Duration::from_millis(20)),
-            other => return other,
-        }
-    }
-    DomainLock::acquire(domain)
 }
 
 /// The state of the main thread. Fields are dropped in order: ports before services before the node.
@@ -264,47 +247,5 @@ impl HostEnd {
         if let Err(error) = self.shared.network.close().wait() {
             tracing::debug!(%error, "leaving the network");
         }
-    }
-}
-
-/// Listens to beacons and to messages of sessions.
-fn subscribe(shared: &Arc<Shared>, network: &Network) -> Result<(), BridgeError> {
-    let listen = |key: String, take: fn(&Shared, &Sample)| {
-        // Weak, since the session of the network is a part of what is shared.
-        let weak = Arc::downgrade(shared);
-        shared
-            .network
-            .declare_subscriber(key)
-            .callback(move |sample| {
-                if let Some(shared) = weak.upgrade() {
-                    take(&shared, &sample);
-                }
-            })
-            .background()
-            .wait()
-            .map_err(|error| BridgeError::network("listening to the network", &error))
-    };
-    listen(keys::beacons_of_all_versions().to_owned(), hear)?;
-    listen(keys::down("*", &network.name, "*"), take_message)
-}
-
-fn hear(shared: &Shared, sample: &Sample) {
-    let Some(key) = keys::parse(sample.key_expr().as_str()).filter(|key| key.host.is_empty()) else { return };
-    match beacon::from_bytes::<DaemonBeacon>(&sample.payload().to_bytes()) {
-        Some(beacon) => shared.directory.hear(key.daemon, beacon),
-        None => count(&shared.metrics.num_rejected),
-    }
-}
-
-fn take_message(shared: &Shared, sample: &Sample) {
-    let bytes = sample.payload().to_bytes();
-    let message = keys::parse(sample.key_expr().as_str()).zip(Envelope::read(&bytes));
-    let Some((key, (envelope, body))) = message else { return count(&shared.metrics.num_rejected) };
-    match shared.sessions.by_link(envelope.link) {
-        // The daemon that the session was registered at, and no other.
-        Some(session) if key.link == envelope.link && *session.remote.daemon == *key.daemon => {
-            session.receive(envelope, body);
-        }
-        _ => count(&shared.metrics.num_rejected),
     }
 }

@@ -19,12 +19,12 @@ use std::{
 };
 
 use untangled_proto::CorrectionHeader;
+use untangled_transport::throttle::Throttle;
 
 use super::ports::{DeliverError, DownPorts, StatePort};
 use crate::{
     metrics::{Metrics, count},
     net::{Outlet, Received},
-    throttle::Throttle,
     wire::message::{Envelope, Kind},
 };
 

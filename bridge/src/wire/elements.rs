@@ -7,9 +7,7 @@
 //! Layout, little-endian: form `u32`, number of the set of pins `u32`, number of entries `u32`, zero `u32`; in form
 //! 3 (a new set of pins) a bit for each element, in bytes; entries of an index `u32` and an element, or all elements.
 
-use untangled_proto::{PositionF32, PositionF64, VertexCorrection, flags};
-
-use super::plain::{self, Plain};
+use super::{element::Element, plain};
 
 /// All elements.
 const FULL: u32 = 0;
@@ -22,50 +20,6 @@ const NEW_PINS: u32 = 3;
 
 const HEAD_BYTES: usize = 16;
 const INDEX_BYTES: usize = 4;
-
-/// Elements that may be at rest.
-pub trait Element: Plain {
-    /// An element at rest, pinned or not.
-    fn rest(pinned: bool) -> Self;
-
-    /// Whether it says that its vertex is pinned.
-    fn is_pinned(&self) -> bool;
-
-    /// Whether it is at rest, to the bit.
-    fn is_rest(&self, pinned: bool) -> bool {
-        plain::bytes_of(std::slice::from_ref(self)) == plain::bytes_of(&[Self::rest(pinned)])
-    }
-}
-
-impl Element for VertexCorrection {
-    fn rest(pinned: bool) -> Self {
-        Self { value: [0.0; 3], flags: if pinned { flags::PINNED } else { 0 } }
-    }
-
-    fn is_pinned(&self) -> bool {
-        self.flags & flags::PINNED != 0
-    }
-}
-
-impl Element for PositionF32 {
-    fn rest(_: bool) -> Self {
-        Self([0.0; 3])
-    }
-
-    fn is_pinned(&self) -> bool {
-        false
-    }
-}
-
-impl Element for PositionF64 {
-    fn rest(_: bool) -> Self {
-        Self([0.0; 3])
-    }
-
-    fn is_pinned(&self) -> bool {
-        false
-    }
-}
 
 /// Which vertices are pinned, as both ends of a link know it.
 #[derive(Clone, Debug, Default)]
@@ -246,6 +200,8 @@ fn write_entries<E: Element>(elements: &[E], out: &mut Vec<u8>, is_pinned: impl 
 
 #[cfg(test)]
 mod tests {
+    use untangled_proto::{VertexCorrection, flags};
+
     use super::*;
 
     const REST: VertexCorrection = VertexCorrection { value: [0.0; 3], flags: 0 };

@@ -8,11 +8,13 @@
 //! | `plain` | wire structs as bytes |
 //! | `keys` | key expressions |
 //! | `message` | envelopes of frames, acknowledgements and the like |
+//! | `element` | elements of arrays, and what they are at rest |
 //! | `elements` | arrays of which most elements are at rest, in few bytes |
 //! | `request` | requests and replies |
 //! | `beacon` | what the ends say of themselves, four times a second |
 
 pub mod beacon;
+pub mod element;
 pub mod elements;
 pub mod keys;
 pub mod message;

@@ -12,6 +12,7 @@
 //! | [`memory`] | free space, committed pages, unfinished segments |
 //! | [`housekeeping`] | removes the resources of crashed peers |
 //! | [`process_id`] | process ids in the names of files, to find resources of crashed peers |
+//! | [`throttle`] | a rate limit for log lines that a peer can cause |
 
 pub mod domain;
 pub mod folders;
@@ -22,5 +23,6 @@ pub mod node;
 pub mod process_id;
 pub mod search;
 pub mod services;
+pub mod throttle;
 
 pub use domain::{Domain, DomainError};

@@ -9,6 +9,7 @@ use std::{
     io::{Error, ErrorKind, Read, Result, Seek, Write},
     os::unix::fs::{MetadataExt, OpenOptionsExt},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use rustix::{
@@ -56,6 +57,22 @@ pub struct DomainLock<'a> {
 }
 
 impl<'a> DomainLock<'a> {
+    /// Takes the lock as a server does: a client that is just leaving may hold it for a moment, so waits up to a fifth of
+    /// a second for it.
+    ///
+    /// # Errors
+    /// [`LockError`].
+    pub fn acquire_patiently(domain: &'a Domain) -> std::result::Result<Self, LockError> {
+        const ATTEMPTS: u32 = 10;
+        for _ in 1..ATTEMPTS {
+            match Self::acquire(domain) {
+                Err(LockError::Held { .. }) => std::thread::sleep(Duration::from_millis(20)),
+                other => return other,
+            }
+        }
+        Self::acquire(domain)
+    }
+
     /// Takes the lock; an error names the process that holds it. Does not wait.
     ///
     /// # Errors

@@ -13,12 +13,12 @@ use std::{
 };
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use untangled_transport::throttle::Throttle;
 
 use super::{connection::Connection, text::prometheus};
 use crate::service::{
     error::ServeError,
     requests::{Registry, status},
-    throttle::Throttle,
 };
 
 /// Connections at a time; the oldest is closed for one more.

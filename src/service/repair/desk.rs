@@ -17,6 +17,7 @@ use untangled_proto::{
     repair::{CERTIFIED, TRUNCATED},
     state::REPAIR,
 };
+use untangled_transport::throttle::Throttle;
 
 use super::{
     port::RepairPort,
@@ -24,7 +25,7 @@ use super::{
     requests::{Counts, Request, State, Totals},
     solve::{Task, solve},
 };
-use crate::service::{pool::Job, session::Cloth, throttle::Throttle};
+use crate::service::{pool::Job, session::Cloth};
 
 /// The repairs of one session. What is in work ends when the last strong reference, which the session has, is gone.
 #[derive(Debug)]

@@ -12,13 +12,14 @@ use untangled_proto::{
 use untangled_transport::{
     Domain, memory, node as nodes,
     services::{self, Event, Ipc, Requests},
+    throttle::Throttle,
 };
 
 use super::{
     registry::Registry,
     reply::{REPLY_BYTES, Replier, Request},
 };
-use crate::service::{error::ServeError, throttle::Throttle};
+use crate::service::error::ServeError;
 
 type Port = Server<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
 

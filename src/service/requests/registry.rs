@@ -12,7 +12,7 @@ use std::{
 
 use iceoryx2::prelude::Node;
 use untangled_proto::{PayloadLayout, Status, sections::Sections};
-use untangled_transport::{node, process_id::ProcessId, services::Ipc};
+use untangled_transport::{node, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
 use super::registration;
 use crate::service::{
@@ -20,7 +20,6 @@ use crate::service::{
     options::ServeOptions,
     repair::{Counts, RepairWorkers},
     session::{Cloth, Session, Shared, Totals},
-    throttle::Throttle,
 };
 
 /// Most sessions of one client that wait for its state publisher, which a client makes right after the reply.

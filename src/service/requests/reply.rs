@@ -11,13 +11,10 @@ use untangled_proto::{
     names,
     sections::Sections,
 };
-use untangled_transport::{memory, process_id::ProcessId, services::Ipc};
+use untangled_transport::{memory, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
 use super::{registration, registry::Registry, status};
-use crate::service::{
-    error::{Refusal, ServeError},
-    throttle::Throttle,
-};
+use crate::service::error::{Refusal, ServeError};
 
 /// A request that has not been replied to.
 pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;

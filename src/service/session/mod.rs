@@ -33,13 +33,12 @@ use std::{
 use iceoryx2::prelude::Node;
 use untangle::{settings::Settings, untangler::Untangler};
 use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, correction::stage, memory};
-use untangled_transport::{Domain, process_id::ProcessId, services::Ipc};
+use untangled_transport::{Domain, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
 use super::{
     error::{Refusal, ServeError},
     port_options::PortOptions,
     repair::{Counts, RepairDesk, RepairPort, RepairWorkers},
-    throttle::Throttle,
 };
 pub use cloth::Cloth;
 pub use estimate::memory_bytes;

@@ -12,12 +12,13 @@ use untangled_proto::{
 use untangled_transport::{
     memory,
     services::{self, Ipc, PathsService},
+    throttle::Throttle,
 };
 
 use untangle::paths::{IntersectionPaths, PathCopy, PathType};
 
 use super::publish::pair_index;
-use crate::service::{error::ServeError, throttle::Throttle};
+use crate::service::error::ServeError;
 
 /// A session's paths service. It has no publisher, and costs nothing per frame, until there is a subscriber.
 #[derive(Debug)]

@@ -16,6 +16,7 @@ use untangled_proto::{
     CorrectionHeader, CorrectionKind, StateHeader, Status,
     correction::{NO_FAULT, TRUNCATED, stage},
 };
+use untangled_transport::throttle::Throttle;
 
 use super::{
     clock::StageClock,
@@ -25,10 +26,7 @@ use super::{
     ports::{CorrectionPort, StatePort},
     publish::{self, Touched, TouchedMemory, Values},
 };
-use crate::service::{
-    repair::{RepairDesk, RepairWorkers},
-    throttle::Throttle,
-};
+use crate::service::repair::{RepairDesk, RepairWorkers};
 
 /// The fault of a frame whose processing panicked.
 const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FAULT, value: 0.0 };

@@ -8,10 +8,7 @@ use untangled_proto::{PositionF32, PositionF64, Precision, RepairHeader, names::
 use untangled_transport::services::{Ipc, Position};
 
 use super::shape::{Shape, failed};
-use crate::wire::{
-    elements::{Element, Pins},
-    plain,
-};
+use crate::wire::{element::Element, elements::Pins, plain};
 
 /// Takes repairs, in the precision of the session.
 #[derive(Debug)]

@@ -5,10 +5,7 @@ use untangled_proto::{PositionF32, PositionF64, Precision, RepairHeader, names::
 use untangled_transport::services::{Ipc, Position};
 
 use super::{super::refusal::Refusal, error::DeliverError, publication::Publication, shape::Shape};
-use crate::wire::{
-    elements::{Element, Pins},
-    plain,
-};
+use crate::wire::{element::Element, elements::Pins, plain};
 
 /// Hands repairs to the host.
 #[derive(Debug)]

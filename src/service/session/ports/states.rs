@@ -12,12 +12,13 @@ use untangled_proto::{
 use untangled_transport::services::{Ipc, Position, States};
 
 use untangle::frame::Frame;
+use untangled_transport::throttle::Throttle;
 
 use super::super::{
     cloth::Cloth,
     ingest::{self, StateFault},
 };
-use crate::service::{error::ServeError, throttle::Throttle};
+use crate::service::error::ServeError;
 
 /// Receives states, in the precision that the host chose.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ const REFILL: Duration = Duration::from_secs(1);
 /// The rate limit (token bucket) of one place in the code. All peers share it: a peer that floods the log suppresses
 /// only lines from the same place.
 #[derive(Debug)]
-pub(crate) struct Throttle(Mutex<State>);
+pub struct Throttle(Mutex<State>);
 
 #[derive(Debug)]
 struct State {
@@ -23,13 +23,21 @@ struct State {
 }
 
 impl Throttle {
-    pub(crate) const fn new() -> Self {
+    /// A full bucket.
+    #[must_use]
+    pub const fn new() -> Self {
         Self(Mutex::new(State { left: BURST, refilled: None, num_suppressed: 0 }))
     }
 
     /// Whether a line may be written now; if so, the number of lines that were suppressed since the last one.
-    pub(crate) fn admit(&self) -> Option<u64> {
+    pub fn admit(&self) -> Option<u64> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).admit(Instant::now())
+    }
+}
+
+impl Default for Throttle {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
