@@ -50,7 +50,9 @@ fn join_of_what_does_not_belong_together_is_refused_with_the_part_at_fault() {
     let write = |name: &str, bytes: &[u8]| fs::write(path.join(name), bytes).unwrap();
     write("a.pc2", &part(0, 5));
     write("b.pc2", &part(5, 5));
+    write("copy.pc2", &part(0, 5));
     write("late.pc2", &part(6, 5));
+    write("last.pc2", &part(10, 2));
     write("short.pc2", &part(5, 5)[..HEADER_SIZE + 7]);
     write("stub.pc2", b"POINTCACHE2\0");
     write("other.pc2", b"POINTCACHE2 \x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0");
@@ -58,20 +60,41 @@ fn join_of_what_does_not_belong_together_is_refused_with_the_part_at_fault() {
     huge[16..20].copy_from_slice(&u32::MAX.to_le_bytes());
     huge[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
     write("huge.pc2", &huge);
+    write("copy.mdd", &fs::read(path.join("in.mdd")).unwrap());
     let fewer = [&whole[..16], &1u32.to_le_bytes(), &6f32.to_le_bytes(), &whole[24..28], &1u32.to_le_bytes(), &[0; 12]];
     write("fewer.pc2", &fewer.concat());
 
     for (parts, words) in [
-        (&["a.pc2", "late.pc2"][..], "late.pc2: starts at 7, and a.pc2 goes to 6"),
-        (&["b.pc2", "a.pc2"], "a.pc2: starts at 1, and b.pc2 goes to 11"),
-        (&["a.pc2", "a.pc2"], "a.pc2: starts at 1, and a.pc2 goes to 6"),
+        (
+            &["a.pc2", "late.pc2"][..],
+            "late.pc2: starts at 7, and a.pc2 ends at 5: a part with 1 frame between them is missing",
+        ),
+        (
+            &["a.pc2", "last.pc2", "b.pc2"],
+            "last.pc2: is given right after a.pc2, and b.pc2 comes between them: parts are needed in the order",
+        ),
+        (
+            &["a.pc2", "last.pc2"],
+            "last.pc2: starts at 11, and a.pc2 ends at 5: a part with 5 frames between them is missing",
+        ),
+        (
+            &["b.pc2", "a.pc2"],
+            "a.pc2: starts at 1, and b.pc2, which is given before it, at 6: parts are needed in the order",
+        ),
+        (&["b.pc2", "late.pc2"], "late.pc2: starts at 7, and b.pc2 ends at 10: frames are in both"),
+        (&["a.pc2", "a.pc2"], "a.pc2: is given twice\n"),
+        (&["a.pc2", "b.pc2", "./a.pc2"], "./a.pc2: is given twice, as a.pc2 too\n"),
+        (
+            &["a.pc2", "b.pc2", "copy.pc2"],
+            "copy.pc2: has the frames of a.pc2, 1 to 5: it is the same part a second time\n",
+        ),
         (&["a.pc2", "short.pc2"], "short.pc2: has 39 bytes, and its header promises 5 frames"),
         (&["a.pc2", "huge.pc2"], "huge.pc2: has "),
         (&["stub.pc2"], "stub.pc2: is too short for its header"),
         (&["other.pc2"], "other.pc2: does not start with POINTCACHE2"),
         (&["a.pc2", "fewer.pc2"], "fewer.pc2: has 1 vertices, and a.pc2 has "),
         (&["a.pc2", "in.mdd"], "in.mdd: is of another format than a.pc2"),
-        (&["in.mdd", "in.mdd"], "in.mdd: starts at 0, and in.mdd goes to 0.95"),
+        (&["in.mdd", "copy.mdd"], "copy.mdd: has the frames of in.mdd, 0 to 0.95"),
         (&["cloth.obj"], "cloth.obj: is neither .pc2 nor .mdd"),
         (&["missing.pc2"], "missing.pc2: "),
     ] {
