@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::{gather::StageMesh, layers::value::Value, shot::UsdShot};
+use crate::printable::Printable;
 
 /// The points of some vertices in a frame, as little-endian singles.
 pub(super) type ReadPoints<'r> = &'r mut dyn FnMut(u64, Range<usize>) -> io::Result<Vec<u8>>;
@@ -18,19 +19,20 @@ impl UsdShot {
     /// In words, what can't be named.
     pub(crate) fn check_layer(&self, path: &Path) -> Result<(), String> {
         let stage = relative(path, &self.stage().path);
-        let shown = stage.display();
+        let shown = Printable(stage.display());
         match stage.to_str() {
             None => return Err(format!("can't name {shown} as the layer below it: names in USD are UTF-8")),
-            Some(text) if text.contains("@@@") || text.chars().any(char::is_control) => {
+            Some(text) if text.contains("@@@") || text.ends_with('@') || text.chars().any(char::is_control) => {
                 return Err(format!(
-                    "can't name {shown} as the layer below it: no @@@ and no control character may stand in its path"
+                    "can't name {shown} as the layer below it: no @@@, no @ at its end, and no control character may \
+                     stand in its path"
                 ));
             }
             Some(_) => {}
         }
         let is_plain = |char: char| !char.is_control() && !matches!(char, '"' | '\\');
         match self.meshes().iter().find(|mesh| !mesh.path.chars().all(is_plain)) {
-            Some(mesh) => Err(format!("can't name the prim {}: no quote may stand in its path", mesh.path)),
+            Some(mesh) => Err(format!("can't name the prim {}: no quote may stand in its path", Printable(&mesh.path))),
             None => Ok(()),
         }
     }
