@@ -26,7 +26,7 @@ fn ratio(heights: &[f64]) -> f64 {
     for &height in heights {
         meter.push(if height > 0.0 { field(height) } else { SparseField::new() });
     }
-    meter.roughness().max_ratio_to_smooth
+    meter.roughness().max_ratio_to_smooth.unwrap()
 }
 
 #[test]
