@@ -9,7 +9,7 @@ use std::{
     ops::Range,
 };
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use untangle::{mesh::VertexId, sides::Layers};
 use untangled_checker::{
@@ -20,7 +20,7 @@ use untangled_mesh_io::MeshFile;
 use super::{input::Input, roles::Roles, wording::Counted};
 
 /// Crossings by reader. Touching is no crossing.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Certificate {
     /// Pairs of triangles that cross, in double precision, polygons split as `check` splits them.
     pub num_crossings: usize,

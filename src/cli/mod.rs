@@ -11,6 +11,7 @@
 //! | `owners` | the file, object or group of a vertex or a face |
 //! | `certificate` | what readers of a file find in it, by the judge |
 //! | `gap` | `--gap`: the distance that primitives keep |
+//! | `world` | the arguments that `check` and `fix` have in common |
 //! | `html` | `--html`: a page to look at |
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
@@ -36,6 +37,7 @@ mod serve;
 mod status;
 mod weld;
 mod wording;
+mod world;
 
 use std::process::ExitCode;
 
@@ -102,9 +104,9 @@ fn run(command: Command) -> Result<Outcome, CliError> {
         Command::Serve(args) => serve::run(&args),
         Command::Status(args) => status::run(&args),
         Command::Config(args) => config::run(&args),
-        Command::Check(args) if args.sequence.is_asked() => sequence::check(&args).map_err(Into::into),
+        Command::Check(args) if args.world.sequence.is_asked() => sequence::check(&args).map_err(Into::into),
         Command::Check(args) => check::run(&args).map_err(Into::into),
-        Command::Fix(args) if args.sequence.is_asked() => sequence::fix(&args).map_err(Into::into),
+        Command::Fix(args) if args.world.sequence.is_asked() => sequence::fix(&args).map_err(Into::into),
         Command::Fix(args) => fix::run(&args).map_err(Into::into),
         Command::Join(args) => join::run(&args),
         Command::Demo(args) => demo::run(&args, &mut std::io::stdout()).map_err(Into::into),

@@ -97,3 +97,47 @@ fn stage_that_usd_core_composes_is_corrected_in_the_space_of_its_mesh() {
         assert_eq!(check.unwrap().status.code(), Some(0));
     }
 }
+
+#[test]
+fn stage_that_refers_below_other_arcs_is_read_as_usd_core_reads_it() {
+    let folder = folder();
+    let path = folder.path();
+    for shot in ["set.usda", "set.usdc"] {
+        if usd(&["behind", shot, "cloth.obj", "in.pc2"], path).is_none() {
+            return;
+        }
+        for prim in ["/set/above", "/set/variant"] {
+            fix(&[shot, "--prim", prim, "-o", "fix.usda", "--overwrite", "--frames", "1..1"], path);
+            let mesh = format!("{prim}/cloth");
+            usd(&["points", shot, &mesh, "before.pc2"], path);
+            // A clean frame far from all others: what is read and written is what usd-core reads.
+            let layer = usda_points(&fs::read_to_string(path.join("fix.usda")).unwrap()).concat();
+            assert!(layer.len() > 1000 && frames(&path.join("before.pc2")).starts_with(&layer), "{shot} {prim}");
+        }
+    }
+}
+
+#[test]
+fn stage_of_which_usd_core_leaves_something_out_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for shot in ["shot.usda", "shot.usdc"] {
+        if usd(&["missing", shot], folder.path()).is_none() {
+            return;
+        }
+        for (name, words) in [
+            ("reference", "prim /set/reference: refers to @"),
+            ("payload", "prim /set/payload: refers to @"),
+            ("cycle", "prim /set/cycle/below: refers to itself in a cycle: @"),
+        ] {
+            let stage = format!("{name}.usda");
+            let mut check = Command::new(untangled());
+            let output = check.args(["check", &stage, "--prim", "/set"]).current_dir(folder.path()).output().unwrap();
+            let said = String::from_utf8(output.stderr.clone()).unwrap();
+            assert!(output.status.code() == Some(2) && said.contains(words) && output.stdout.is_empty(), "{output:?}");
+        }
+        // What is there is checked.
+        let mut check = Command::new(untangled());
+        let output = check.args(["check", shot, "--prim", "/set/cloth"]).current_dir(folder.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+}

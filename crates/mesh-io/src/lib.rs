@@ -39,6 +39,7 @@
 //! | `error` | why a file was not read or not written |
 //! | `formats` | `obj`, `ply`, `gltf`, `stl`, on `text`, `polygon`, `triangulate`, `part` and `mesh_data` |
 //! | `file_format` | the formats by name and by content |
+//! | `document` | the bytes of a file in the form of its format, kept to be written back |
 //! | `mesh_file` | one file of any format |
 //! | `usd` | shots in USD: layers, composition, the meshes below a prim |
 //! | `caches` | the positions of a mesh, frame by frame: PC2, MDD, numbered meshes, USD |
@@ -48,6 +49,7 @@
 
 mod caches;
 mod contours;
+mod document;
 mod error;
 mod file_format;
 mod formats;

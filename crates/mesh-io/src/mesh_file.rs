@@ -8,29 +8,17 @@ use std::{
 };
 
 use crate::{
+    document::Document,
     error::{ReadError, ReadErrorKind, WriteError},
     file_format::FileFormat,
     formats::{
-        gltf::{self, Container, Destination},
+        gltf::{Container, Destination},
         mesh_data::MeshData,
         obj,
         part::Part,
-        ply,
         polygon::Polygons,
-        stl,
     },
 };
-
-/// The bytes of the file in the form of its format, kept to be written back.
-#[derive(Clone, Debug)]
-enum Document {
-    Obj(obj::ObjDocument),
-    Ply(ply::PlyDocument),
-    Gltf(gltf::GltfDocument),
-    Stl(stl::StlDocument),
-    /// None: the mesh stands in a stage, and is written as a layer over it.
-    Stage,
-}
 
 /// A mesh file as it was read.
 #[derive(Clone, Debug)]
@@ -61,16 +49,8 @@ pub(crate) fn parse_mesh(bytes: Vec<u8>, path: &Path) -> Result<MeshFile, ReadEr
     let format = FileFormat::of_content(&bytes)
         .or_else(|| FileFormat::of_name(path))
         .ok_or_else(|| error((None, ReadErrorKind::UnknownFormat)))?;
-    let (data, document) = match format {
-        FileFormat::Obj => obj::parse(bytes).map(|(data, document)| (data, Document::Obj(document))),
-        FileFormat::Ply => ply::parse(bytes).map(|(data, document)| (data, Document::Ply(document))),
-        FileFormat::Gltf => gltf::parse(bytes, path.parent().unwrap_or_else(|| Path::new("")))
-            .map(|(data, document)| (data, Document::Gltf(document)))
-            .map_err(|kind| (None, kind)),
-        FileFormat::Stl => stl::parse(bytes).map(|(data, document)| (data, Document::Stl(document))),
-        FileFormat::Usd => Err((None, ReadErrorKind::NeedsPrim)),
-    }
-    .map_err(error)?;
+    let folder = path.parent().unwrap_or_else(|| Path::new(""));
+    let (data, document) = Document::parse(format, bytes, folder).map_err(error)?;
     MeshFile::new(path, data, document).map_err(|kind| error((None, kind)))
 }
 
@@ -120,24 +100,13 @@ impl MeshFile {
     /// Its format.
     #[must_use]
     pub fn format(&self) -> FileFormat {
-        match self.document {
-            Document::Obj(_) => FileFormat::Obj,
-            Document::Ply(_) => FileFormat::Ply,
-            Document::Gltf(_) => FileFormat::Gltf,
-            Document::Stl(_) => FileFormat::Stl,
-            Document::Stage => FileFormat::Usd,
-        }
+        self.document.format()
     }
 
     /// The line of a vertex, counted from 1, in a text format.
     #[must_use]
     pub fn line_of_vertex(&self, vertex: usize) -> Option<usize> {
-        match &self.document {
-            Document::Obj(document) => document.line_of_vertex(vertex),
-            Document::Ply(document) => document.line_of_vertex(vertex),
-            Document::Gltf(_) | Document::Stage => None,
-            Document::Stl(document) => document.line_of_vertex(vertex),
-        }
+        self.document.line_of_vertex(vertex)
     }
 
     /// Positions, `num_vertices x 3`, finite; taken as metres.
@@ -204,32 +173,20 @@ impl MeshFile {
 
     /// The files that it was read from: its [`path`](Self::path), then the files that a glTF document links.
     pub fn source_files(&self) -> impl Iterator<Item = &Path> {
-        let linked = match &self.document {
-            Document::Gltf(document) => Some(document.linked_files()),
-            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) | Document::Stage => None,
-        };
-        std::iter::once(self.path.as_path()).chain(linked.into_iter().flatten().map(PathBuf::as_path))
+        let linked = self.document.linked_files().map(PathBuf::as_path);
+        std::iter::once(self.path.as_path()).chain(linked)
     }
 
     /// Whether the file can only hold positions of single precision.
     #[must_use]
     pub fn is_single_precision(&self) -> bool {
-        match &self.document {
-            Document::Obj(_) | Document::Stage => false,
-            Document::Ply(document) => document.is_single_precision(),
-            Document::Gltf(document) => document.is_single_precision(),
-            Document::Stl(document) => document.is_single_precision(),
-        }
+        self.document.is_single_precision()
     }
 
     /// Ranges of vertices whose positions can't change in this file, each with the reason.
     #[must_use]
     pub fn fixed_vertices(&self) -> Vec<(Range<usize>, &str)> {
-        match &self.document {
-            Document::Obj(_) | Document::Stl(_) | Document::Stage => Vec::new(),
-            Document::Ply(document) => document.fixed_vertices().collect(),
-            Document::Gltf(document) => document.fixed_vertices().collect(),
-        }
+        self.document.fixed_vertices()
     }
 
     /// Writes the file back with other positions in metres, `num_vertices x 3`.
@@ -243,7 +200,7 @@ impl MeshFile {
     /// [`WriteError`] for a wrong number of positions, for a vertex that moved and is one of
     /// [`fixed_vertices`](Self::fixed_vertices), and for what writing to `out` gives.
     pub fn write_with_positions(&self, positions: &[[f64; 3]], out: &mut dyn Write) -> Result<(), WriteError> {
-        self.write_to(positions, Destination { container: self.container(), same_folder: true }, out)
+        self.write_to(positions, Destination { container: self.document.container(), same_folder: true }, out)
     }
 
     /// [`write_with_positions`](Self::write_with_positions) for a file at `path`, whose extension chooses the container
@@ -260,13 +217,6 @@ impl MeshFile {
         self.write_to(positions, Destination { container, same_folder }, out)
     }
 
-    fn container(&self) -> Container {
-        match &self.document {
-            Document::Gltf(document) => document.container(),
-            Document::Obj(_) | Document::Ply(_) | Document::Stl(_) | Document::Stage => Container::Text,
-        }
-    }
-
     fn write_to(
         &self,
         positions: &[[f64; 3]],
@@ -277,23 +227,12 @@ impl MeshFile {
         if positions.len() != before.len() {
             return Err(WriteError::Length { given: positions.len(), expected: before.len() });
         }
-        match &self.document {
-            Document::Obj(document) => Ok(document.write(before, positions, out)?),
-            Document::Ply(document) => document.write(before, positions, out),
-            Document::Gltf(document) => document.write(before, positions, destination, out),
-            Document::Stl(document) => document.write(before, positions, out),
-            Document::Stage => Err(WriteError::UnknownFormat),
-        }
+        self.document.write(before, positions, destination, out)
     }
 
     /// The positions that reading the file gives, once it was written with these.
     pub(crate) fn stored_positions(&self, positions: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, WriteError> {
-        match &self.document {
-            Document::Obj(_) | Document::Stage => Ok(positions.to_vec()),
-            Document::Ply(document) => document.stored(self.positions(), positions),
-            Document::Gltf(document) => document.stored_positions(self.positions(), positions),
-            Document::Stl(document) => document.stored(self.positions(), positions),
-        }
+        self.document.stored(self.positions(), positions)
     }
 
     /// The document of an OBJ file.

@@ -2,20 +2,22 @@
 
 use std::path::PathBuf;
 
-use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence::args::CacheArgs, weld::WeldArg};
+use crate::cli::world::WorldArgs;
 
 /// Finds all intersections of one mesh, or of several in one world.
 ///
 /// Exit code: 0 without intersections, 1 with, or where vertices are inside of a body or behind an inner layer, or
 /// primitives nearer than a gap that was asked for; 2 for bad input.
 ///
-/// With --cache all frames of a sequence are checked, on all processors. --json then prints a line for each frame as
-/// it is done, and the totals last (schema untangled.sequence/1); the lines are the same for any number of threads.
+/// With --cache all frames of a sequence are checked, with --prim those of the meshes of a stage in USD, on all
+/// processors. --json then prints a line for each frame as it is done, and the totals last (schema
+/// untangled.sequence/1); the lines are the same for any number of threads. Neither goes with --face-pairs, --contours
+/// and --verbose; --prim takes one FILE, and so no --layers.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
-    /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
+    /// The files, and how they are looked at.
+    #[command(flatten)]
+    pub world: WorldArgs,
     /// Print one JSON document (schema untangled.check/1) instead of a table
     #[arg(long)]
     pub json: bool,
@@ -35,20 +37,4 @@ pub struct CheckArgs {
     /// Say how long each stage took
     #[arg(short, long)]
     pub verbose: bool,
-    /// Vertices in one place that are one along seams: those in `exact`ly one place, those within so many METRES, or
-    /// none (`off`)
-    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
-    pub weld: WeldArg,
-    /// `--gap` and `--gap-for`.
-    #[command(flatten)]
-    pub gap: GapArgs,
-    /// What files are beside cloth
-    #[command(flatten)]
-    pub roles: RoleArgs,
-    /// End with an error where more pairs of triangles intersect: a million takes up to two gigabytes
-    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
-    pub max_face_pairs: u64,
-    /// `--cache`, `--body-cache` and `--frames`.
-    #[command(flatten)]
-    pub sequence: CacheArgs,
 }

@@ -3,6 +3,7 @@
 pub(super) mod args;
 mod error;
 mod meetings;
+pub(super) mod pairs;
 pub(super) mod report;
 #[cfg(test)]
 mod tests;
@@ -52,23 +53,31 @@ struct Checked {
 /// # Errors
 /// [`CheckError`]; one line, exit code 2.
 pub fn run(args: &CheckArgs) -> Result<Outcome, CheckError> {
-    let inputs = [args.files.as_slice(), &args.roles.bodies].concat();
+    let inputs = [args.world.files.as_slice(), &args.world.roles.bodies].concat();
     let contours = args.contours.as_deref().map(|path| contours_format(path, &inputs, args.overwrite)).transpose()?;
     // Before time is spent, and again once it is known which files were read.
     page_place(args, inputs.iter().map(PathBuf::as_path))?;
-    let mut checked =
-        check_within(&args.files, &args.roles, args.weld, args.face_pairs, args.max_face_pairs, args.gap.asked())?;
+    let mut checked = check_within(
+        &args.world.files,
+        &args.world.roles,
+        args.world.weld,
+        args.face_pairs,
+        args.world.max_face_pairs,
+        args.world.gap.asked(),
+    )?;
     checked.report.verbose = args.verbose;
     let Checked { analysis, report, meshes, roles, .. } = &checked;
-    if let (Some(path), Some(format)) = (&args.contours, contours) {
-        write_contours(path, format, analysis).map_err(|source| CheckError::Write { path: path.clone(), source })?;
-    }
+    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
+    outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
+    // Neither of these, where it can't be written, withholds the report or the other.
+    let contours = args.contours.as_ref().zip(contours).map_or(Ok(()), |(path, format)| {
+        write_contours(path, format, analysis).map_err(|source| CheckError::Write { path: path.clone(), source })
+    });
     let read = meshes.iter().chain(&roles.bodies).flat_map(MeshFile::source_files);
     if let Some(target) = page_place(args, read)? {
         write_page(args, &target, &checked).map_err(Box::new)?;
     }
-    let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
-    outcome::print(&text).map_err(|source| CheckError::Write { path: "standard output".into(), source })?;
+    contours?;
     let is_too_close = report.gap.as_ref().is_some_and(|gap| gap.num_pairs_below > 0);
     Ok(if report.is_clean() && !is_too_close { Outcome::Clean } else { Outcome::Remaining })
 }
@@ -87,11 +96,7 @@ fn write_page(args: &CheckArgs, target: &Target, checked: &Checked) -> Result<()
     let mut page = PageData::new("check", outcome::printable(&report.to_string()), report, mesh);
     page.settings = settings_of_check(args);
     page.states = vec![state];
-    let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
-    let write = |out: &mut dyn Write| out.write_all(page.to_html().as_bytes()).map_err(|source| target.failed(&source));
-    let staged = target.stage(&interrupt, write)?;
-    interrupt.commit()?;
-    staged.persist()
+    page.write(target, &Interrupt::listen().map_err(FixError::Signals)?)
 }
 
 /// Reads and analyses files as one world, with the usual limit on what may intersect.

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 use untangle::relax::{Effort, RelaxSettings};
 
-use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence::args::CacheArgs, weld::WeldArg};
+use crate::cli::world::WorldArgs;
 
 /// Untangle mesh files: move vertices until nothing intersects, and write everything else back as it was.
 ///
@@ -29,15 +29,20 @@ use crate::cli::{gap::GapArgs, input::MAX_FACE_PAIRS, roles::RoleArgs, sequence:
 /// cache of those frames, which `untangled join` joins. --json prints a line for each frame as it is done, and the
 /// totals last (schema untangled.sequence/1).
 ///
+/// With --prim the frames are those of the meshes of FILE, a stage in USD, at a prim and below it; FILE stays as it is,
+/// and OUT is a layer over it that says the points alone. Parts of it are joined with the tools of USD, as the manual
+/// shows. --prim takes one FILE, and so no --layers; neither it nor --cache goes with --time-limit.
+///
 /// Exit code: 0 clean; 1 intersections remain, vertices inside of a body or behind an inner layer, or primitives nearer
 /// than the gap, and OUT is the best state found; 2 bad input or usage, another error, or Ctrl-C.
 #[derive(Clone, Debug, clap::Args)]
 pub struct FixArgs {
-    /// Mesh files (OBJ, PLY, STL, glTF, GLB); several are pieces in one world
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
+    /// The files, and how they are looked at.
+    #[command(flatten)]
+    pub world: WorldArgs,
     /// File to write (.obj, .ply, .stl, .gltf, .glb), with the pieces in order; or a folder, for one file per input
-    /// under its own name; with --cache a file or pattern of the same format as that
+    /// under its own name; with --cache a file or pattern of the same format as that; with --prim a layer of USD as
+    /// text (.usda, .usd)
     #[arg(short, long, value_name = "OUT")]
     pub out: PathBuf,
     /// Print one JSON document (schema untangled.fix/1) instead of lines for people
@@ -53,10 +58,6 @@ pub struct FixArgs {
     /// Give up after this many iterations
     #[arg(long, value_name = "N", default_value_t = RelaxSettings::default().max_iterations)]
     pub max_iterations: usize,
-    /// End with an error, and write nothing, where more pairs of triangles intersect: a million takes up to two
-    /// gigabytes
-    #[arg(long, value_name = "N", default_value_t = MAX_FACE_PAIRS, value_parser = clap::value_parser!(u64).range(1..))]
-    pub max_face_pairs: u64,
     /// End the untangling so many seconds after the start, and write the best state found until then
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time_limit: Option<Duration>,
@@ -67,22 +68,9 @@ pub struct FixArgs {
     /// FILEs together, pieces in order
     #[arg(long, value_name = "FILE")]
     pub pin: Option<PathBuf>,
-    /// Vertices in one place that are one along seams, and move as one: those in `exact`ly one place, those within so
-    /// many METRES, or none (`off`)
-    #[arg(long, value_name = "exact|off|METRES", default_value = "exact")]
-    pub weld: WeldArg,
-    /// What files are beside cloth
-    #[command(flatten)]
-    pub roles: RoleArgs,
-    /// `--gap` and `--gap-for`.
-    #[command(flatten)]
-    pub gap: GapArgs,
     /// Replace OUT (and the report, and the page) if it exists; never an input
     #[arg(long)]
     pub overwrite: bool,
-    /// `--cache`, `--body-cache` and `--frames`.
-    #[command(flatten)]
-    pub sequence: CacheArgs,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

@@ -62,19 +62,29 @@ pub(super) use terminal::{Interrupt, Progress};
 /// [`FixError`]; one line, exit code 2.
 pub fn run(args: &FixArgs) -> Result<Outcome, FixError> {
     let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
-    let report = fix(args, &mut relax_until, &interrupt)?;
+    let Fixed { report, page } = fix(args, &mut relax_until, &interrupt)?;
     let text = if args.json { report.to_json() } else { outcome::printable(&report.to_string()) };
     outcome::print(&text).map_err(FixError::Print)?;
+    page?;
     Ok(if report.clean { Outcome::Clean } else { Outcome::Remaining })
 }
 
-/// Untangles and writes files. Nothing is at its place before everything is written.
-fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Report, FixError> {
+/// What was done.
+#[derive(Debug)]
+struct Fixed {
+    report: Report,
+    /// Whether the page was written, if one was asked for.
+    page: Result<(), FixError>,
+}
+
+/// Untangles and writes files. Nothing is at its place before everything is written, but for the page: that is made of
+/// what is there, and withholds nothing.
+fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Fixed, FixError> {
     let start = Instant::now();
     let mut progress = Progress::new();
     progress.say("reading");
-    let files = input::read_files(&args.files)?;
-    let roles = Roles::read(&args.roles, &files, args.weld)?;
+    let files = input::read_files(&args.world.files)?;
+    let roles = Roles::read(&args.world.roles, &files, args.world.weld)?;
     let Plan { jobs, report: report_target, page: page_target } = plan(args, &files, &roles)?;
     let (input, pins) = world(args, &files, &roles)?;
     interrupt.check()?;
@@ -87,14 +97,14 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
     let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
     let repair = Repair { files: &files, roles: &roles, store, pins: &pins, settings, deadline };
     let owners = Owners::new(files.iter().chain(&roles.bodies));
-    let clearing = Clearing { repair: &repair, asked: args.gap.asked(), input: &input, owners: &owners };
+    let clearing = Clearing { repair: &repair, asked: args.world.gap.asked(), input: &input, owners: &owners };
     let (repaired, gap) = untangle(&clearing, &jobs, &before, solver, interrupt, &mut progress)?;
     let Repaired { written, history, mut blocked, time_limit_reached } = repaired;
     Blocked::name_owners(&mut blocked, &owners);
     let Written { staged, input: read_back, counts: after, analysis: left } = written;
     let report = Report {
         schema: "untangled.fix/1",
-        files: args.files.iter().map(|path| path.display().to_string()).collect(),
+        files: args.world.files.iter().map(|path| path.display().to_string()).collect(),
         outputs: jobs.iter().map(|job| job.target.path.display().to_string()).collect(),
         clean: after.is_certified() && gap.as_ref().is_none_or(GapReport::is_kept),
         bodies: roles.reports(),
@@ -111,13 +121,13 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Repo
         blocked,
         history,
     };
-    let page = page_target.zip(found).map(|(target, found)| {
+    persist(&report, staged, report_target, interrupt)?;
+    let page = page_target.zip(found).map_or(Ok(()), |(target, found)| {
         progress.say("writing the page");
         let states = [State(&input, &found), State(&read_back, &left)];
-        stage_page(args, (&files, &roles, &pins), states, &report, &target, interrupt)
+        write_page(args, (&files, &roles, &pins), states, &report, &target, interrupt)
     });
-    persist(&report, staged.into_iter().chain(page.transpose()?), report_target, interrupt)?;
-    Ok(report)
+    Ok(Fixed { report, page })
 }
 
 /// Untangles and opens the gap, or writes a clean input as it is.
@@ -143,15 +153,15 @@ fn untangle(
 /// A state, and what was found in it.
 struct State<'a>(&'a Input, &'a Analysis);
 
-/// Writes the page beside its place. `world` are the files, the bodies and the pinned vertices.
-fn stage_page(
+/// Writes the page. The world are the files, the bodies and the pinned vertices.
+fn write_page(
     args: &FixArgs,
     (files, roles, pins): (&[MeshFile], &Roles, &[u32]),
     [State(before, found), State(after, left)]: [State<'_>; 2],
     report: &Report,
     target: &Target,
     interrupt: &Interrupt,
-) -> Result<Staged, FixError> {
+) -> Result<(), FixError> {
     let mesh = MeshData::new(files, roles, before, pins);
     let centre = mesh.centre;
     let mut page = PageData::new("fix", outcome::printable(&report.to_string()), report, mesh);
@@ -159,13 +169,13 @@ fn stage_page(
     page.states =
         vec![StateData::new("before", before, found, centre, true), StateData::new("after", after, left, centre, true)];
     page.change = Some(ChangeData::new(before, &after.positions));
-    target.stage(interrupt, |out| out.write_all(page.to_html().as_bytes()).map_err(|source| target.failed(&source)))
+    page.write(target, interrupt)
 }
 
 /// Puts all files at their places, the report among them.
 fn persist(
     report: &Report,
-    staged: impl Iterator<Item = Staged>,
+    staged: Vec<Staged>,
     report_target: Option<Target>,
     interrupt: &Interrupt,
 ) -> Result<(), FixError> {
@@ -175,22 +185,22 @@ fn persist(
     });
     let report_file = report_file.transpose()?;
     interrupt.commit()?;
-    staged.chain(report_file).try_for_each(Staged::persist)
+    staged.into_iter().chain(report_file).try_for_each(Staged::persist)
 }
 
 /// Counts what intersects in the input.
 fn count(args: &FixArgs, files: &[MeshFile], roles: &Roles, input: &Input) -> Result<(Counts, Analysis), FixError> {
-    let analysis = analyse_within(&args.files, input, args.max_face_pairs, &mut ())?;
+    let analysis = analyse_within(&args.world.files, input, args.world.max_face_pairs, &mut ())?;
     Ok((Counts::new(&analysis, roles, input, Certificate::of(files, roles, input)), analysis))
 }
 
 /// The files and the bodies as one world, and the pinned vertices of the files.
 fn world(args: &FixArgs, files: &[MeshFile], roles: &Roles) -> Result<(Input, Vec<u32>), FixError> {
-    let mut world = roles.join(&args.files, files)?;
+    let mut world = roles.join(&args.world.files, files)?;
     let num_vertices = files.iter().map(|file| file.positions().len()).sum();
     let pins = args.pin.as_deref().map(|path| pins::read(path, num_vertices)).transpose()?.unwrap_or_default();
     world.description.pins.clone_from(&pins);
-    Ok((Input::new(files, world, args.weld)?.decided(), pins))
+    Ok((Input::new(files, world, args.world.weld)?.decided(), pins))
 }
 
 fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {

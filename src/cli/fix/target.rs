@@ -25,7 +25,7 @@ pub(in crate::cli) struct Target {
 
 impl Target {
     /// Checks that `path` may be written: it leads to no file of `inputs` through any spelling or link, and to an
-    /// existing file only with `overwrite`.
+    /// existing file only with `overwrite`; and that its folder takes files.
     ///
     /// # Errors
     /// [`FixError::Target`].
@@ -40,6 +40,7 @@ impl Target {
             Err(_) => new_place(&path),
         }
         .map_err(error)?;
+        check_folder(&place).map_err(error)?;
         Ok(Self { path, place, overwrite })
     }
 
@@ -64,7 +65,7 @@ impl Target {
         let mut builder = tempfile::Builder::new();
         // The permissions of a new file, before the user's umask.
         builder.prefix(".untangled-").suffix(&extension).permissions(fs::Permissions::from_mode(0o666));
-        let file = interrupt.stage(|| builder.tempfile_in(folder)).map_err(failed)?;
+        let file = interrupt.stage(|| builder.tempfile_in(folder)).map_err(|source| failed(plain(&source)))?;
         let mut out = BufWriter::new(file.as_file());
         write(&mut out)?;
         out.flush().map_err(failed)?;
@@ -80,6 +81,20 @@ impl Target {
     pub(in crate::cli) fn failed(&self, source: &dyn std::fmt::Display) -> FixError {
         FixError::Target { path: self.path.clone(), reason: format!("can't be written: {source}") }
     }
+}
+
+/// Checks that a file can be made in the folder of a place, by making one without a name.
+fn check_folder(place: &Path) -> Result<(), String> {
+    let folder = place.parent().unwrap_or(Path::new("/"));
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(source) => Err(format!("no file can be made in its folder: {}", plain(&source))),
+    }
+}
+
+/// An error of the system without the name of a temporary file, which means nothing to anybody.
+fn plain(source: &io::Error) -> io::Error {
+    source.raw_os_error().map_or_else(|| source.kind().into(), io::Error::from_raw_os_error)
 }
 
 /// The place of an existing file, if it may be replaced.

@@ -12,7 +12,7 @@ use untangle::{
 };
 use untangled_mesh_io::read_mesh;
 
-use crate::cli::{gap::GapArgs, input::Input, weld::WeldArg};
+use crate::cli::{gap::GapArgs, input::Input, weld::WeldArg, world::WorldArgs};
 
 use super::{Blocked, Distortion, FixArgs, QualityArg, fix, terminal::Interrupt};
 
@@ -37,21 +37,23 @@ fn set_up(files: &[(&str, &str)], inputs: &[&str], out: &str) -> (tempfile::Temp
         fs::write(folder.path().join(name), text).unwrap();
     }
     let args = FixArgs {
-        files: inputs.iter().map(|name| folder.path().join(name)).collect(),
+        world: WorldArgs {
+            files: inputs.iter().map(|name| folder.path().join(name)).collect(),
+            weld: WeldArg::Exact,
+            roles: Default::default(),
+            gap: GapArgs::default(),
+            max_face_pairs: 10,
+            sequence: crate::cli::sequence::args::CacheArgs::default(),
+        },
         out: folder.path().join(out),
         json: false,
         report: None,
         html: None,
         max_iterations: 10,
-        max_face_pairs: 10,
         time_limit: None,
         quality: QualityArg::Balanced,
         pin: None,
-        weld: WeldArg::Exact,
-        roles: Default::default(),
-        gap: GapArgs::default(),
         overwrite: false,
-        sequence: crate::cli::sequence::args::CacheArgs::default(),
     };
     (folder, args)
 }
@@ -73,7 +75,7 @@ fn lift(positions: &[[f64; 3]], z: f64) -> Relaxation {
 #[test]
 fn fix_of_more_intersections_than_the_limit_writes_nothing_and_names_the_flag() {
     let (folder, args) = set_up(&[("a.obj", FLOOR), ("b.obj", SPIKE)], &["a.obj", "b.obj"], "out.obj");
-    let args = FixArgs { max_face_pairs: 0, ..args };
+    let args = FixArgs { world: WorldArgs { max_face_pairs: 0, ..args.world.clone() }, ..args };
     let mut solver = |_: &Mesh,
                       _: &[[f64; 3]],
                       _: &RelaxSettings,
@@ -103,7 +105,7 @@ fn fix_of_a_solved_state_writes_and_reports_it() {
         assert!(progress(&STEP).is_continue());
         Ok(lift(positions, 1.25))
     };
-    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap().report;
     assert!(report.clean && !report.before.is_clean() && report.after.is_clean());
     assert_eq!((report.num_iterations, report.history.as_slice()), (1, [STEP].as_slice()));
     assert_eq!(report.distortion.max_displacement_m, 0.75);
@@ -136,7 +138,7 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
         let height = if rounds.len() < 3 { 1.0 + 0.33 * f64::from(f32::EPSILON) } else { 1.125 };
         Ok(lift(positions, height))
     };
-    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap().report;
     assert!(report.clean);
     assert_eq!(rounds, [(0.5, 10), (1.0, 9), (1.0, 8)]);
     assert_eq!((report.num_iterations, report.history.len()), (3, 3));
@@ -151,7 +153,7 @@ fn fix_of_a_state_that_rounding_tangles_relaxes_again() {
          _: &RelaxSettings,
          _: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
          _: &(dyn Fn() -> bool + Sync)| { Ok(lift(positions, 1.0 + 0.33 * f64::from(f32::EPSILON))) };
-    let report = fix(&args, &mut never, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut never, &Interrupt::default()).unwrap().report;
     assert!(!report.clean && report.num_iterations == 2);
     assert_eq!(report.blocked[0].reason, "not resolved within 2 iterations");
     assert!(args.out.exists());
@@ -174,12 +176,12 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
                        _: &(dyn Fn() -> bool + Sync)| {
         Ok(Relaxation { blocked: vec![reason.clone()], ..lift(positions, 0.25) })
     };
-    let report = fix(&args, &mut blocked, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut blocked, &Interrupt::default()).unwrap().report;
     assert!(!report.clean && report.after == report.before);
     let mut expected = Blocked::from(reason.clone());
-    (expected.file, expected.vertex_in_file) = (args.files[1].display().to_string(), 0);
+    (expected.file, expected.vertex_in_file) = (args.world.files[1].display().to_string(), 0);
     assert_eq!(report.blocked, [expected]);
-    let line = format!("left: BI/BI of 0.50000 m at vertex 0 of {}: pinned", args.files[1].display());
+    let line = format!("left: BI/BI of 0.50000 m at vertex 0 of {}: pinned", args.world.files[1].display());
     assert!(report.to_string().contains(&line), "{report}");
     assert!(fs::read_to_string(&args.out).unwrap().contains("v 1 1 0.25"));
 
@@ -199,7 +201,7 @@ fn fix_of_a_blocked_state_writes_it_unless_it_is_worse_than_the_input() {
         }
         Ok(result(positions))
     };
-    let report = fix(&args, &mut worse, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut worse, &Interrupt::default()).unwrap().report;
     assert_eq!((report.after, report.distortion.max_displacement_m), (report.before, 0.0));
     assert_eq!(report.blocked[0].reason, "not resolved");
     for (name, text) in third {
@@ -246,7 +248,7 @@ fn fix_of_fixed_vertices_requires_them_to_be_pinned() {
                     write .obj or .ply, or pin these vertices";
     assert!(error.ends_with(expected), "{error}");
     args.pin = Some(folder.path().join("pins.txt"));
-    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap();
+    let report = fix(&args, &mut solver, &Interrupt::default()).unwrap().report;
     assert!(!report.clean && calls == 1);
     assert_eq!(fs::read_to_string(&args.out).unwrap(), text);
 }

@@ -10,8 +10,8 @@
 //! | `state` | a state: positions, paths, vertices on the wrong side |
 //! | `sequence` | the frames of a shot |
 //! | `change` | how far each vertex moved, and how its edges were stretched |
-//! | `settings` | the arguments, one by one |
-//! | `page` | the document, and the text of the file |
+//! | `settings` | the settings of the command, one by one |
+//! | `page` | the document, and its file |
 //! | `place` | where a page may be written |
 
 mod change;

@@ -1,4 +1,6 @@
-//! The document of a page, and the text of its file.
+//! The document of a page, and its file.
+
+use std::io::Write;
 
 use serde::Serialize;
 
@@ -11,7 +13,11 @@ use super::{
     settings::Setting,
     state::{StateData, centre_of},
 };
-use crate::cli::{input::Input, roles::Roles};
+use crate::cli::{
+    fix::{FixError, Interrupt, Target},
+    input::Input,
+    roles::Roles,
+};
 
 /// What `report/` builds: the script with its libraries, and the style. They are kept built, so that nobody needs
 /// Node to build this program.
@@ -79,8 +85,18 @@ impl<R: Serialize> PageData<R> {
         }
     }
 
+    /// Writes the file to its place.
+    ///
+    /// # Errors
+    /// [`FixError::Target`].
+    pub(in crate::cli) fn write(&self, target: &Target, interrupt: &Interrupt) -> Result<(), FixError> {
+        let html = self.to_html();
+        let write = |out: &mut dyn Write| out.write_all(html.as_bytes()).map_err(|source| target.failed(&source));
+        target.stage(interrupt, write)?.persist()
+    }
+
     /// The file: HTML with its style, its data and its script inside.
-    pub(in crate::cli) fn to_html(&self) -> String {
+    fn to_html(&self) -> String {
         let title = self.mesh.parts.first().map_or("", |part| part.file.as_str());
         let title = escaped(&format!("untangled {}: {}", self.command, Printable(title)));
         let data = serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a page is plain data: {error}"));

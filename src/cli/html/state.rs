@@ -12,7 +12,7 @@ use super::{
     lines::{LineData, relative},
     numbers::singles,
 };
-use crate::cli::{check::report::PairReport, input::Input};
+use crate::cli::{check::pairs::PairReport, input::Input};
 
 /// Positions, and what was found at them.
 #[derive(Clone, Debug, Serialize)]

@@ -1,6 +1,9 @@
 //! `untangled join`: parts of a vertex cache, which several machines repaired, as one file.
+//!
+//! `part` opens a part, `order` tells whether parts belong together; both say why not by `error`.
 
 mod error;
+mod order;
 mod part;
 
 use std::{
@@ -17,7 +20,12 @@ use part::Part;
 
 /// Join the parts of a vertex cache that `fix --cache --frames` wrote: the bytes are those of one run over all frames.
 ///
-/// Parts are .pc2 or .mdd, of the same vertices, the earliest first and without a gap. Numbered meshes need no joining.
+/// Parts are .pc2 or .mdd, of the same vertices, the earliest first, each once, and none missing between two others
+/// (in .mdd, whose times may have any steps, a missing one is not noticed; a first or last one never is: compare the
+/// number of frames that is printed). Numbered meshes need no joining, and parts as layers of USD are joined with its
+/// own tools, as the manual shows.
+///
+/// Exit code: 0 joined; 2 parts that do not belong together, bad usage or another error, and nothing is written.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct JoinArgs {
     /// The parts, in the order of their frames
@@ -34,9 +42,7 @@ pub(super) struct JoinArgs {
 /// Joins parts; the output takes its name when it is whole.
 pub(super) fn run(args: &JoinArgs) -> Result<Outcome, CliError> {
     let parts = args.parts.iter().map(|path| Part::open(path)).collect::<Result<Vec<_>, _>>()?;
-    for pair in parts.windows(2) {
-        pair[1].follows(&pair[0])?;
-    }
+    order::check(&parts)?;
     if parts[0].format.extension() != part::extension(&args.out) {
         return Err(JoinError::of(&args.out, "must be of the format of its parts").into());
     }

@@ -31,10 +31,10 @@ impl Format {
 /// An open part.
 #[derive(Debug)]
 pub(super) struct Part {
-    path: PathBuf,
+    pub(super) path: PathBuf,
     pub(super) format: Format,
     pub(super) num_frames: u64,
-    num_vertices: u32,
+    pub(super) num_vertices: u32,
     file: File,
     /// All before the frames.
     header: Vec<u8>,
@@ -84,35 +84,24 @@ impl Part {
         &self.file
     }
 
-    /// Checks that this part comes right after another.
-    pub(super) fn follows(&self, before: &Self) -> Result<(), JoinError> {
-        let error = |reason: String| Err(JoinError::of(&self.path, reason));
-        let earlier = before.path.display();
-        if self.format != before.format {
-            return error(format!("is of another format than {earlier}"));
-        }
-        if self.num_vertices != before.num_vertices {
-            return error(format!("has {} vertices, and {earlier} has {}", self.num_vertices, before.num_vertices));
-        }
-        let (expected, tolerance, start) = match self.format {
+    /// When its first and its last frame are.
+    pub(super) fn times(&self) -> [f64; 2] {
+        match self.format {
             Format::Pc2 => {
-                let [start, rate] = before.pc2_times();
+                let [start, rate] = self.pc2_times();
                 #[expect(clippy::cast_precision_loss, reason = "counts of frames are far below 2^52")]
-                let end = start + rate * before.num_frames as f64;
-                (end, rate.abs() / 4.0, self.pc2_times()[0])
+                let last = start + rate * (self.num_frames - 1) as f64;
+                [start, last]
             }
-            // Times may have any steps, so that only their order can be wrong.
             Format::Mdd => {
-                let last = before.header.len() - 4;
-                let [time, start] = [(before, last), (self, MDD_SIZE)]
-                    .map(|(part, at)| f64::from(f32::from_be_bytes(word(&part.header, at))));
-                if start > time { (start, 0.0, start) } else { (time, 0.0, start) }
+                [MDD_SIZE, self.header.len() - 4].map(|at| f32::from_be_bytes(word(&self.header, at)).into())
             }
-        };
-        if (start - expected).abs() <= tolerance {
-            return Ok(());
         }
-        error(format!("starts at {start}, and {earlier} goes to {expected}: parts are in the order of their frames"))
+    }
+
+    /// The time from one frame to the next, where all of them have the same.
+    pub(super) fn step(&self) -> Option<f64> {
+        (self.format == Format::Pc2).then(|| self.pc2_times()[1]).filter(|step| *step > 0.0)
     }
 
     /// Start and rate in the header of a PC2 file.

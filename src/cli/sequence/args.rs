@@ -13,7 +13,7 @@ pub struct CacheArgs {
     #[arg(long, value_name = "IN", group = FRAMES)]
     pub cache: Option<PathBuf>,
     /// The meshes at and below this prim of FILE, a stage in USD (.usd, .usda, .usdc, .usdz), at all time codes of
-    /// their points; fix writes a layer over FILE, .usda
+    /// their points; fix writes a layer over FILE, .usda. Not with --cache and --layers, nor with several FILEs
     #[arg(long, value_name = "PATH", group = FRAMES)]
     pub prim: Option<String>,
     /// The same for the bodies: one for each --body, in their order, of as many frames; without any, bodies stay where

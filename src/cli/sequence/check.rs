@@ -10,7 +10,8 @@ use super::{
     page::ShotPage,
     pipeline::Pipeline,
     progress::FrameProgress,
-    shot::{Asks, Judgement, Shot, State},
+    shot::{Judgement, Shot, State},
+    words,
 };
 use crate::cli::{
     check::CheckArgs,
@@ -18,7 +19,7 @@ use crate::cli::{
     gap::GapReport,
     html::settings_of_check,
     outcome::{self, Outcome},
-    wording::{Counted, json_line},
+    wording::json_line,
 };
 
 /// The line of a frame.
@@ -35,6 +36,8 @@ struct FrameLine {
     /// The distances, if a gap was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     gap: Option<GapReport>,
+    /// Coordinates below 2^-250 m, which count as zero.
+    num_zeroed_coordinates: usize,
     /// Whether nothing intersects, is on the wrong side, or nearer than the gap.
     clean: bool,
 }
@@ -46,7 +49,7 @@ struct TotalsLine {
     totals: Totals,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 struct Totals {
     /// The cache as it was named; bytes that are not UTF-8 are replaced.
     cache: String,
@@ -56,34 +59,31 @@ struct Totals {
     num_clean_frames: u64,
     /// The sum over all frames.
     num_face_pairs: usize,
+    /// The same of coordinates that count as zero.
+    num_zeroed_coordinates: usize,
     /// Whether all frames are.
     clean: bool,
 }
 
 impl FrameLine {
-    fn new(frame: u64, time_code: Option<f64>, Judgement { counts, gap }: &Judgement) -> Self {
+    fn new(frame: u64, time_code: Option<f64>, judgement: &Judgement) -> Self {
+        let Judgement { counts, gap, num_zeroed_coordinates } = judgement.clone();
         let clean = counts.is_clean() && gap.as_ref().is_none_or(GapReport::is_kept);
-        Self { schema: SCHEMA, frame, time_code, before: counts.clone(), gap: gap.clone(), clean }
+        Self { schema: SCHEMA, frame, time_code, before: counts, gap, num_zeroed_coordinates, clean }
     }
 
-    /// The line for people; nothing to say of a clean frame.
+    /// The lines for people; nothing to say of a frame that is clean for every reader.
     fn words(&self) -> String {
-        if self.clean {
-            return String::new();
+        let line = serde_json::to_value(self).unwrap_or_default();
+        let (counts, gap, frame) = (&line["before"], &line["gap"], self.frame);
+        let readers = words::by_readers("but not for every reader", counts, gap);
+        let faults = words::faults(counts, &gap["num_pairs_below"]);
+        let found: Vec<String> = faults.iter().filter(|fault| fault.count > 0).map(words::Fault::words).collect();
+        match (found.is_empty(), readers.is_empty()) {
+            (false, _) => format!("  frame {frame}: {}\n", found.join(", ")),
+            (true, false) => format!("  frame {frame}: clean,\n{readers}"),
+            (true, true) => String::new(),
         }
-        let Self { frame, before, gap, .. } = self;
-        let mut words = vec![Counted(before.num_face_pairs, "intersecting face pair").to_string()];
-        if let Some(bodies) = before.bodies {
-            words.push(format!("{} inside of a body", Counted(bodies.num_vertices_inside_body, "vertex")));
-        }
-        let num_behind: usize = before.layers.iter().flatten().map(|layer| layer.num_vertices_behind).sum();
-        if num_behind > 0 {
-            words.push(format!("{} behind an inner layer", Counted(num_behind, "vertex")));
-        }
-        if let Some(gap) = gap {
-            words.push(format!("{} nearer than the gap", Counted(gap.num_pairs_below, "primitive pair")));
-        }
-        format!("  frame {frame}: {}\n", words.join(", "))
     }
 }
 
@@ -92,12 +92,14 @@ impl Totals {
         self.num_frames += 1;
         self.num_clean_frames += u64::from(line.clean);
         self.num_face_pairs += line.before.num_face_pairs;
+        self.num_zeroed_coordinates += line.num_zeroed_coordinates;
         self.clean &= line.clean;
     }
 
     fn words(&self) -> String {
         let Self { num_frames, num_clean_frames, .. } = self;
-        format!("  {num_clean_frames} of {num_frames} frames are clean\n")
+        let zeroed = words::zeroed_line(self.num_zeroed_coordinates);
+        format!("{zeroed}  {num_clean_frames} of {num_frames} frames are clean\n")
     }
 }
 
@@ -107,19 +109,11 @@ impl Totals {
 /// [`SequenceError`]; one line, exit code 2.
 pub fn check(args: &CheckArgs) -> Result<Outcome, SequenceError> {
     refuse(args)?;
-    let shot = Shot::open(Asks {
-        files: &args.files,
-        roles: &args.roles,
-        sequence: &args.sequence,
-        weld: args.weld,
-        max_face_pairs: args.max_face_pairs,
-        gap: args.gap.asked(),
-    })?;
+    let shot = Shot::open(&args.world)?;
     let part = shot.part.clone();
     let [first_frame, last_frame] = [*part.start(), *part.end()];
     let cache = shot.cache.path().display().to_string();
-    let mut totals =
-        Totals { cache, first_frame, last_frame, num_frames: 0, num_clean_frames: 0, num_face_pairs: 0, clean: true };
+    let mut totals = Totals { cache, first_frame, last_frame, clean: true, ..Totals::default() };
     let print = |text: &str| outcome::print(text).map(|_| ()).map_err(SequenceError::Print);
     let head = format!("{}, frames {first_frame} to {last_frame}\n", totals.cache);
     let mut page = page(args, &shot)?;
@@ -146,12 +140,14 @@ pub fn check(args: &CheckArgs) -> Result<Outcome, SequenceError> {
     drop(progress);
     let (clean, words) = (totals.clean, totals.words());
     let totals = TotalsLine { schema: SCHEMA, totals };
-    if let Some(mut page) = page {
+    if let Some(page) = &mut page {
         page.say(&words);
+    }
+    print(&if args.json { json_line(&totals) } else { words })?;
+    if let Some(page) = page {
         let interrupt = Interrupt::listen().map_err(FixError::Signals)?;
         page.write(&shot, ("check", settings_of_check(args)), &totals, &interrupt)?;
     }
-    print(&if args.json { json_line(&totals) } else { words })?;
     Ok(if clean { Outcome::Clean } else { Outcome::Remaining })
 }
 

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `args`, `error` | the arguments; why a sequence was not finished |
 //! | `pipeline` | work on frames, on all processors, in stages, taken in order |
+//! | `words` | what is said of a frame to people |
 //! | `progress` | the line with the time left |
 //! | `shot` | cloth and bodies at one instant, as `check` and `fix` see files |
 //! | `page` | `--html`: a page with all frames |
@@ -20,6 +21,7 @@ mod page;
 mod pipeline;
 mod progress;
 mod shot;
+mod words;
 
 pub use check::check;
 pub use error::SequenceError;

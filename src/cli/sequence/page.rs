@@ -1,6 +1,7 @@
-//! `--html` of sequences: frames are recorded as they are done, and written as a page at the end.
+//! `--html` of sequences: frames are recorded as they are done, and written as a page at the end,
+//! when the result is at its place and was said.
 
-use std::{io::Write, path::Path};
+use std::path::Path;
 
 use serde::Serialize;
 use serde_json::Value;
@@ -79,8 +80,6 @@ impl ShotPage {
         page.settings = settings;
         page.states = states;
         page.sequence = Some(frames);
-        let html = page.to_html();
-        let write = |out: &mut dyn Write| out.write_all(html.as_bytes()).map_err(|source| target.failed(&source));
-        Ok(target.stage(interrupt, write)?.persist()?)
+        Ok(page.write(&target, interrupt)?)
     }
 }

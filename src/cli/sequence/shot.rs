@@ -15,8 +15,9 @@ use crate::cli::{
     gap::{Asked, GapCertificate, GapReport},
     input::{self, Input, analyse_within},
     owners::Owners,
-    roles::{RoleArgs, Roles},
+    roles::Roles,
     weld::WeldArg,
+    world::WorldArgs,
 };
 
 /// What does not change from frame to frame.
@@ -44,16 +45,6 @@ pub(super) struct Shot {
     pub(super) part: RangeInclusive<u64>,
 }
 
-/// What a command says of its input.
-pub(super) struct Asks<'a> {
-    pub(super) files: &'a [PathBuf],
-    pub(super) roles: &'a RoleArgs,
-    pub(super) sequence: &'a CacheArgs,
-    pub(super) weld: WeldArg,
-    pub(super) max_face_pairs: u64,
-    pub(super) gap: Option<Asked>,
-}
-
 /// Cloth and bodies at one instant.
 pub(super) struct State {
     pub(super) files: Vec<MeshFile>,
@@ -66,14 +57,16 @@ pub(super) struct State {
 pub(super) struct Judgement {
     pub(super) counts: Counts,
     pub(super) gap: Option<GapReport>,
+    /// Coordinates that are so small that they count as zero.
+    pub(super) num_zeroed_coordinates: usize,
 }
 
 impl Shot {
     /// Reads the mesh and the bodies, and opens all caches.
-    pub(super) fn open(asks: Asks<'_>) -> Result<Self, SequenceError> {
-        let Asks { files: paths, roles: role_args, sequence, weld, max_face_pairs, gap } = asks;
+    pub(super) fn open(args: &WorldArgs) -> Result<Self, SequenceError> {
+        let WorldArgs { files: paths, roles: role_args, sequence, weld, max_face_pairs, gap } = args;
         let (files, cache) = open_cache(paths, sequence)?;
-        let roles = Roles::read(role_args, &files, weld)?;
+        let roles = Roles::read(role_args, &files, *weld)?;
         if cache.is_usd() && role_args.layers {
             let reason = "layers are several FILEs, and USD is one";
             return Err(SequenceError::Argument { argument: "--layers", reason });
@@ -92,10 +85,10 @@ impl Shot {
             roles,
             cache,
             body_caches,
-            weld,
+            weld: *weld,
             pins: Vec::new(),
-            max_face_pairs,
-            gap,
+            max_face_pairs: *max_face_pairs,
+            gap: gap.asked(),
             certify_gap: false,
             reference,
             outwards: None,
@@ -185,7 +178,7 @@ impl Shot {
         if let Some(gap) = gap.as_mut().filter(|_| self.certify_gap) {
             gap.certificate = Some(GapCertificate::of(files, roles, input, gap.asked_m));
         }
-        Ok(Judgement { counts, gap })
+        Ok(Judgement { counts, gap, num_zeroed_coordinates: input.num_zeroed_coordinates() })
     }
 }
 

@@ -2,14 +2,18 @@
 
     usd_shot.py plain SHOT.usd* CLOTH.obj CACHE.pc2
     usd_shot.py composed SHOT.usd* CLOTH.obj CACHE.pc2
+    usd_shot.py behind SHOT.usd* CLOTH.obj CACHE.pc2
+    usd_shot.py missing SHOT.usd*
     usd_shot.py points STAGE.usd* PRIM CACHE.pc2
     usd_shot.py compare SHOT.usd* FIX.usda PRIM
     usd_shot.py join FIX.usda PART.usda...
 
 `plain` makes a stage with the frames of a vertex cache from time code 1 on. `composed` brings it in by a payload, a
-variant and a sublayer, in centimetres, below transforms that move. `points` writes the points of a mesh as a cache.
-`compare` opens a layer over a stage: everything but the points must be that of the stage. `join` puts parts into one
-layer, as the manual shows.
+variant and a sublayer, in centimetres, below transforms that move. `behind` refers to prims that get what they are by
+the arcs and variants of those above them. `missing` makes a stage of a mesh and of arcs that lead nowhere or back, and
+of each of these one in which it is the only one. `points` writes the points of a mesh as a cache. `compare` opens a
+layer over a stage: everything but the points must be that of the stage. `join` puts parts into one layer, as the manual
+shows.
 """
 
 import os
@@ -82,6 +86,53 @@ def composed(shot, cloth, cache):
     stage.Save()
 
 
+def behind(shot, cloth, cache):
+    folder, name = os.path.split(shot)
+    asset, library = os.path.join(folder, "behind_" + name), os.path.join(folder, "library_" + name)
+    plain(asset, cloth, cache)
+    stage = Usd.Stage.CreateNew(library)
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    stage.DefinePrim("/lib").GetReferences().AddReference("./" + os.path.basename(asset), "/world")
+    kinds = stage.DefinePrim("/kinds").GetVariantSets().AddVariantSet("kind")
+    kinds.AddVariant("one")
+    kinds.SetVariantSelection("one")
+    with kinds.GetVariantEditContext():
+        stage.DefinePrim("/kinds/one").GetReferences().AddInternalReference("/lib/garment")
+    stage.Save()
+    stage = Usd.Stage.CreateNew(shot)
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    root = stage.DefinePrim("/set", "Xform")
+    stage.SetDefaultPrim(root)
+    above = stage.DefinePrim("/set/above")
+    above.GetReferences().AddReference("./" + os.path.basename(library), "/lib/garment")
+    variant = stage.DefinePrim("/set/variant")
+    variant.GetPayloads().AddPayload("./" + os.path.basename(library), "/kinds/one")
+    assert not stage.GetCompositionErrors()
+    stage.Save()
+
+
+def missing(shot):
+    stage = Usd.Stage.CreateNew(shot)
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    mesh = UsdGeom.Mesh.Define(stage, "/set/cloth")
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    stage.DefinePrim("/set/reference").GetReferences().AddInternalReference("/none")
+    stage.DefinePrim("/set/payload").GetPayloads().AddInternalPayload("/set/cloth/none")
+    stage.DefinePrim("/set/cycle/below").GetReferences().AddInternalReference("/set/cycle")
+    stage.Save()
+    for name in ["reference", "payload", "cycle"]:
+        own = Usd.Stage.CreateInMemory()
+        own.GetRootLayer().subLayerPaths = [os.path.abspath(shot)]
+        for other in {"reference", "payload", "cycle"} - {name}:
+            own.OverridePrim("/set/" + other).SetActive(False)
+        # USD draws the one mesh, and says what it left out to those who ask.
+        assert [prim.GetPath() for prim in own.Traverse() if prim.IsA(UsdGeom.Mesh)] == ["/set/cloth"]
+        assert own.GetCompositionErrors(), name
+        own.GetRootLayer().Export(os.path.join(os.path.dirname(shot), name + ".usda"))
+
+
 def mesh_of(stage, prim):
     mesh = UsdGeom.Mesh.Get(stage, prim)
     assert mesh, prim
@@ -132,5 +183,5 @@ def join(out, *parts):
     whole.Export(out)
 
 
-commands = {"plain": plain, "composed": composed, "points": points, "compare": compare, "join": join}
+commands = {function.__name__: function for function in [plain, composed, behind, missing, points, compare, join]}
 commands[sys.argv[1]](*sys.argv[2:])

@@ -3,10 +3,72 @@
 use std::{
     fs,
     os::unix::fs::{PermissionsExt, symlink},
+    path::Path,
+    process::{Command, Output},
 };
 
+use untangled_testkit::process::untangled;
+
 use super::document;
-use crate::mesh_folder::{code, command, complaint, fix, folder, names};
+use crate::{
+    mesh_folder::{code, command, complaint, fix, folder, names},
+    sequence,
+};
+
+/// Runs the program where no file may have more than 300 kB: meshes and caches have less, a page has more.
+fn without_room(arguments: &str, folder: &Path) -> Output {
+    let script = format!("trap '' XFSZ; ulimit -f 300; exec \"$0\" {arguments}");
+    Command::new("bash").args(["-c", &script]).arg(untangled()).current_dir(folder).output().unwrap()
+}
+
+#[test]
+fn page_that_can_not_be_written_withholds_no_result() {
+    let (meshes, shot) = (folder(), sequence::folder());
+    for (folder, arguments, out) in [
+        (&meshes, "check square.obj spike.obj", None),
+        (&meshes, "fix tangled.glb -o OUT.ply --report OUT.json", Some("ply")),
+        (&shot, "check cloth.obj --cache in.pc2 --frames 9..12", None),
+        (&shot, "fix cloth.obj --cache in.pc2 --frames 10..12 -o OUT.pc2 --report OUT.json", Some("pc2")),
+    ] {
+        let path = folder.path();
+        let expected = without_room(&arguments.replace("OUT", "a"), path);
+        let before = names(path);
+        let output = without_room(&format!("{} --html page.html", arguments.replace("OUT", "b")), path);
+        assert_eq!(code(&output), 2, "{output:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(said, "untangled: page.html: can't be written: File too large (os error 27)\n");
+        // The report is there, but for names and times; files are at their places, and nothing else is.
+        let lines = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap().lines().count();
+        assert_eq!(lines(output.stdout), lines(expected.stdout), "{arguments}");
+        let files = out.map_or(Vec::new(), |kind| vec!["b.json".to_owned(), format!("b.{kind}")]);
+        let new: Vec<String> = names(path).into_iter().filter(|name| !before.contains(name)).collect();
+        assert_eq!(new, files, "{arguments}");
+        if let Some(kind) = out {
+            let [a, b] = ["a", "b"].map(|stem| fs::read(path.join(format!("{stem}.{kind}"))).unwrap());
+            assert!(a == b, "{arguments}");
+        }
+    }
+}
+
+#[test]
+fn folder_that_takes_no_files_is_refused_before_any_work() {
+    let folder = sequence::folder();
+    let path = folder.path();
+    let before = names(path);
+    for arguments in [
+        "check cloth.obj --cache in.pc2 --html /proc/page.html",
+        "fix cloth.obj --cache in.pc2 -o out.pc2 --html /proc/page.html",
+        "fix cloth.obj --cache in.pc2 -o out.pc2 --report /proc/report.json",
+        "fix cloth.obj --cache in.pc2 -o /proc/out.pc2",
+        "fix cloth.obj -o /proc/out.obj",
+    ] {
+        let output = sequence::run(&arguments.split(' ').collect::<Vec<_>>(), path);
+        let said = String::from_utf8(output.stderr.clone()).unwrap();
+        assert!(code(&output) == 2 && said.contains(": no file can be made in its folder: "), "{output:?}");
+        assert!(said.lines().count() == 1 && !said.contains(".tmp") && output.stdout.is_empty(), "{output:?}");
+        assert_eq!(names(path), before);
+    }
+}
 
 #[test]
 fn page_with_a_hostile_file_name_holds_it_as_text() {
@@ -54,6 +116,9 @@ fn page_is_refused_over_inputs_existing_files_and_other_outputs() {
         (&["none/page.html"], "none/page.html: there is no folder none"),
         (&["page.obj"], "page.obj: a page is written as .html"),
         (&["page"], "page: a page is written as .html"),
+        (&[".html"], ".html: is no name for a page: something must stand before .html, as in page.html"),
+        (&["none/.HTM"], "none/.HTM: is no name for a page"),
+        (&["/proc/page.html"], "/proc/page.html: no file can be made in its folder: "),
     ];
     for (arguments, reason) in refused {
         let fixing = [&["square.obj", "-o", "out.obj", "--html"], arguments].concat();

@@ -7,6 +7,7 @@ mod join;
 mod refusals;
 mod resume;
 mod usd;
+mod words;
 
 use std::{
     fs,

@@ -1,6 +1,6 @@
 //! `check` and `fix` with `--prim`: the shot of the other tests as a stage of USD.
 
-use std::fs;
+use std::{ffi::OsStr, fs, os::unix::ffi::OsStrExt};
 
 use untangled_testkit::{
     files::formats::obj,
@@ -173,4 +173,36 @@ fn stages_refuse_what_does_not_fit_in_one_line() {
         assert!(is_usage || text.trim_end().lines().count() == 1, "{arguments}: {text}");
         assert_eq!(names(path), before, "{arguments}");
     }
+}
+
+#[test]
+fn stage_whose_name_a_layer_can_not_hold_is_refused_before_any_work() {
+    let folder = stage();
+    let path = folder.path();
+    fs::create_dir(path.join("a@@@b")).unwrap();
+    for (name, words) in [
+        (&b"a@@@b.usda"[..], "can't name ./a@@@b.usda as the layer below it: no @@@"),
+        (b"a@@@b/shot.usda", "can't name ./a@@@b/shot.usda as the layer below it: no @@@"),
+        (b"shot@", "no @ at its end"),
+        (b"a\nb.usda", "no control character may stand in its path"),
+        (b"a\xff.usda", "as the layer below it: names in USD are UTF-8"),
+    ] {
+        let name = OsStr::from_bytes(name);
+        fs::copy(path.join("shot.usda"), path.join(name)).unwrap();
+        let mut fix = super::command(&["fix"], path);
+        let output = fix.arg(name).args(["--prim", "/garment", "-o", "fix.usda"]).output().unwrap();
+        let said = String::from_utf8(output.stderr.clone()).unwrap();
+        assert!(code(&output) == 2 && said.contains(words) && said.lines().count() == 1, "{said}");
+        assert!(said.starts_with("untangled: fix.usda: can't name ") && output.stdout.is_empty(), "{said}");
+        fs::remove_file(path.join(name)).unwrap();
+        let left = names(path);
+        assert!(!left.iter().any(|name| name.contains("fix.usda")), "{left:?}");
+    }
+    fs::copy(path.join("shot.usda"), path.join("shot@one.usda")).unwrap();
+    let fix = ["fix", "shot@one.usda", "--prim", "/garment", "-o", "fix.usda", "--frames", "1..2", "--json"];
+    let output = run(&fix, path);
+    assert_eq!(code(&output), 0, "{output:?}");
+    // Two frames have no second difference.
+    let (_, totals) = lines(&output);
+    assert!(totals["smoothness"]["max_second_difference_m"].is_null(), "{totals}");
 }

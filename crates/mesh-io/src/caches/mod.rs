@@ -170,6 +170,18 @@ impl VertexCache {
         matches!(self.format, Format::Usd(_))
     }
 
+    /// Checks, before frames are worked on, that a layer at a path can name the stage of USD and its prims. Of other
+    /// formats there is nothing to check.
+    ///
+    /// # Errors
+    /// In words, what can't be named.
+    pub fn check_layer(&self, path: &Path) -> Result<(), String> {
+        match &self.format {
+            Format::Usd(shot) => shot.check_layer(path),
+            Format::Pc2(_) | Format::Mdd(_) | Format::Numbered(_) => Ok(()),
+        }
+    }
+
     /// Writes the layer over a stage of USD, as the file at a path: the points of the meshes in a part of the frames,
     /// and the stage as its sublayer. `read` gives the bytes of a frame, as [`CacheFrame::encode`] made them, for a
     /// range of vertices, 12 for each. Of other formats there is nothing to write.
@@ -247,9 +259,10 @@ impl VertexCache {
         Ok(CacheFrame::new(positions, Source::Singles(bytes, order)))
     }
 
-    fn usd_error(&self, frame: u64, UsdError { path, prim, reason, .. }: UsdError) -> CacheError {
+    fn usd_error(&self, frame: u64, UsdError { path, line, prim, reason }: UsdError) -> CacheError {
+        let line = line.map_or_else(String::new, |line| format!("line {line}: "));
         let prim = prim.map_or_else(String::new, |prim| format!("prim {prim}: "));
-        CacheError { path, frame: Some(frame), kind: CacheErrorKind::Usd(prim + &reason) }
+        CacheError { path, frame: Some(frame), kind: CacheErrorKind::Usd(line + &prim + &reason) }
     }
 }
 

@@ -38,7 +38,10 @@ impl MeshPrim {
         let error = |reason: String| stage.error(&prim.path, reason);
         let points = prim.attribute("points").ok_or_else(|| error("has no points".into()))?;
         if points.has_spline || !matches!(points.type_name.as_str(), "point3f[]" | "float3[]" | "vector3f[]") {
-            return Err(error(format!("has points of the type {}; point3f[] is read", points.type_name)));
+            return Err(error(format!(
+                "has points of the type {}; point3f[], float3[] and vector3f[] are read",
+                points.type_name
+            )));
         }
         let first = match points.samples.first() {
             Some((_, slot)) => Some(stage.value(&points, slot)?),
@@ -79,7 +82,10 @@ impl MeshPrim {
         for (face, &count) in (0i64..).zip(&self.counts) {
             let end = usize::try_from(count).ok().and_then(|count| start.checked_add(count));
             let own = end.and_then(|end| self.corners.get(start..end));
-            let own = own.ok_or_else(|| format!("has fewer corners than face {face} (from 0) needs"))?;
+            let own = own.ok_or_else(|| match count {
+                ..0 => format!("face {face} (from 0) has {count} corners, at least 3 are needed"),
+                _ => format!("has fewer corners than face {face} (from 0) needs"),
+            })?;
             if !self.holes.contains(&face) {
                 if own.len() < 3 {
                     return Err(format!("face {face} (from 0) has {count} corners, at least 3 are needed"));

@@ -7,11 +7,36 @@ use std::{
 };
 
 use super::{gather::StageMesh, layers::value::Value, shot::UsdShot};
+use crate::printable::Printable;
 
 /// The points of some vertices in a frame, as little-endian singles.
 pub(super) type ReadPoints<'r> = &'r mut dyn FnMut(u64, Range<usize>) -> io::Result<Vec<u8>>;
 
 impl UsdShot {
+    /// Checks that a layer at a path can name the stage, and the prims of the meshes.
+    ///
+    /// # Errors
+    /// In words, what can't be named.
+    pub(crate) fn check_layer(&self, path: &Path) -> Result<(), String> {
+        let stage = relative(path, &self.stage().path);
+        let shown = Printable(stage.display());
+        match stage.to_str() {
+            None => return Err(format!("can't name {shown} as the layer below it: names in USD are UTF-8")),
+            Some(text) if text.contains("@@@") || text.ends_with('@') || text.chars().any(char::is_control) => {
+                return Err(format!(
+                    "can't name {shown} as the layer below it: no @@@, no @ at its end, and no control character may \
+                     stand in its path"
+                ));
+            }
+            Some(_) => {}
+        }
+        let is_plain = |char: char| !char.is_control() && !matches!(char, '"' | '\\');
+        match self.meshes().iter().find(|mesh| !mesh.path.chars().all(is_plain)) {
+            Some(mesh) => Err(format!("can't name the prim {}: no quote may stand in its path", Printable(&mesh.path))),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the layer of a part of the frames, as a file at a path. `read` gives the points of a range of vertices.
     pub(crate) fn write_layer(
         &self,
@@ -126,7 +151,7 @@ fn quoted(text: &str) -> String {
 /// An asset path between its marks.
 fn asset(path: &Path) -> String {
     let path = path.to_string_lossy();
-    if path.contains('@') { format!("@@@{}@@@", path.replace("@@@", "\\@@@")) } else { format!("@{path}@") }
+    if path.contains('@') { format!("@@@{path}@@@") } else { format!("@{path}@") }
 }
 
 /// The path to a file from the folder of another, both of which exist; else the whole path.

@@ -72,8 +72,11 @@ impl Xform {
         let mut matrix = Matrix4::identity();
         for op in &self.ops {
             let own = op.matrix(stage, time)?;
-            let own = if op.is_inverse { own.try_inverse() } else { Some(own) };
-            matrix *= own.ok_or_else(|| stage.error(&op.prim, "has a transform that can't be inverted"))?;
+            let inverse = own.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()));
+            let inverse = inverse.ok_or_else(|| {
+                stage.error(&op.prim, format!("{} is a transform that can't be inverted", op.attribute.name))
+            })?;
+            matrix *= if op.is_inverse { inverse } else { own };
         }
         Ok(matrix)
     }

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::{SparseField, fade::Fade};
 
-/// The measure of a shot.
+/// The measure of a shot. What needs second differences is nothing for fewer than three frames, which have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Roughness {
     /// Vertices that are corrected in some frame.
@@ -21,13 +21,13 @@ pub struct Roughness {
     /// Largest correction, in metres.
     pub max_correction_m: f64,
     /// Largest second difference of a correction, in metres for each frame squared.
-    pub max_second_difference_m: f64,
+    pub max_second_difference_m: Option<f64>,
     /// For the worst vertex its largest second difference, divided by that of a smooth bump as high as its correction.
-    pub max_ratio_to_smooth: f64,
+    pub max_ratio_to_smooth: Option<f64>,
     /// The same for 99 of 100 vertices.
-    pub p99_ratio_to_smooth: f64,
+    pub p99_ratio_to_smooth: Option<f64>,
     /// The same on the mean.
-    pub mean_ratio_to_smooth: f64,
+    pub mean_ratio_to_smooth: Option<f64>,
 }
 
 /// Takes corrections frame by frame.
@@ -62,7 +62,7 @@ impl RoughnessMeter {
         }
         self.num_frames += 1;
         // At the ends of a shot nothing is known of the frames beyond.
-        if self.num_frames > 2 {
+        if self.is_measured() {
             let at = |field: &SparseField, vertex| field.get(&vertex).copied().unwrap_or_else(Vector3::zeros);
             for vertex in first.keys().chain(second.keys()).chain(field.keys()) {
                 let difference = at(first, *vertex) - at(second, *vertex) * 2.0 + at(&field, *vertex);
@@ -73,6 +73,11 @@ impl RoughnessMeter {
         let [first, second] = &mut self.before;
         std::mem::swap(first, second);
         *second = field;
+    }
+
+    /// Whether there are frames enough for a second difference.
+    fn is_measured(&self) -> bool {
+        self.num_frames > 2
     }
 
     /// The measure of all frames so far.
@@ -87,16 +92,15 @@ impl RoughnessMeter {
         let largest = |value: fn(&Extremes) -> f64| self.vertices.values().map(value).fold(0.0, |a: f64, b| a.max(b));
         #[expect(clippy::cast_precision_loss, reason = "numbers of vertices")]
         let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
+        let p99 = ratios.get((ratios.len() * 99).div_ceil(100).saturating_sub(1));
+        let measured = |value: f64| self.is_measured().then_some(value);
         Roughness {
             num_vertices: ratios.len(),
             max_correction_m: largest(|own| own.height_m),
-            max_second_difference_m: largest(|own| own.second_difference_m),
-            max_ratio_to_smooth: ratios.last().copied().unwrap_or(0.0),
-            p99_ratio_to_smooth: ratios
-                .get((ratios.len() * 99).div_ceil(100).saturating_sub(1))
-                .copied()
-                .unwrap_or(0.0),
-            mean_ratio_to_smooth: mean,
+            max_second_difference_m: measured(largest(|own| own.second_difference_m)),
+            max_ratio_to_smooth: measured(ratios.last().copied().unwrap_or(0.0)),
+            p99_ratio_to_smooth: measured(p99.copied().unwrap_or(0.0)),
+            mean_ratio_to_smooth: measured(mean),
         }
     }
 }

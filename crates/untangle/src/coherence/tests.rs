@@ -26,7 +26,7 @@ fn ratio(heights: &[f64]) -> f64 {
     for &height in heights {
         meter.push(if height > 0.0 { field(height) } else { SparseField::new() });
     }
-    meter.roughness().max_ratio_to_smooth
+    meter.roughness().max_ratio_to_smooth.unwrap()
 }
 
 #[test]
@@ -87,5 +87,22 @@ fn turns_carry_vectors_with_cloth_that_turns_and_stretches() {
     for vertex in [0, 1, 2, 3].map(VertexId) {
         assert!((turns.to_frame(vertex, vector) - turn * vector).norm() < 1e-12);
         assert!((turns.to_material(vertex, turn * vector) - vector).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn roughness_of_fewer_than_three_frames_is_not_measured() {
+    let mut meter = RoughnessMeter::new(FADE, 0.0);
+    for num_frames in 1..=4 {
+        meter.push(field(0.25));
+        let found = meter.roughness();
+        assert_eq!((found.num_vertices, found.max_correction_m.to_bits()), (1, 0.25f64.to_bits()));
+        let measured = [
+            found.max_second_difference_m,
+            found.max_ratio_to_smooth,
+            found.p99_ratio_to_smooth,
+            found.mean_ratio_to_smooth,
+        ];
+        assert_eq!(measured.map(|value| value.is_some()), [num_frames > 2; 4]);
     }
 }

@@ -9,6 +9,7 @@
 //! tests; `--write` only writes its files. The program `untangled` of the same build is run.
 #![allow(clippy::print_stdout, reason = "prints a document")]
 
+mod excess;
 mod runs;
 mod scene;
 
@@ -89,8 +90,12 @@ fn print_whole(scene: &Scene, found: &Whole) {
     println!("| beside a smooth bump as high, worst vertex | {:.2} |", smooth("max_ratio_to_smooth"));
     println!("| 99 of 100 vertices | {:.2} |", smooth("p99_ratio_to_smooth"));
     println!("| mean | {:.2} |", smooth("mean_ratio_to_smooth"));
-    println!("| acceleration beyond that of the input and of a smooth bump, mm/frame² | {:.3} |", found.excess_mm);
-    println!("| the same of frames that `fix` repairs one by one | {:.3} |", found.excess_alone_mm);
+    let (own, alone) = (found.excess, found.excess_alone);
+    let beyond = "acceleration beyond that of the input and of a smooth bump";
+    println!("| {beyond}, mm/frame² | {:.3} |", 1000.0 * own.max_m);
+    println!("| vertices that have any, of those that are corrected | {} of {} |", own.num_beyond, own.num_corrected);
+    println!("| {beyond}, of frames that `fix` repairs one by one, mm/frame² | {:.3} |", 1000.0 * alone.max_m);
+    println!("| vertices that have any | {} of {} |", alone.num_beyond, alone.num_corrected);
     println!("| `check` of the input, seconds | {:.1} |", found.check_seconds);
     println!("| `fix`, seconds | {:.1} |", found.seconds);
     println!("| most memory of `fix`, MB | {} |\n", found.peak_mb);

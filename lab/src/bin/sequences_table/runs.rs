@@ -7,18 +7,15 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nalgebra::Vector3;
 use serde_json::Value;
-use untangle::coherence::Fade;
 use untangled_lab::Failure;
 use untangled_mesh_io::read_mesh;
 use untangled_testkit::process::untangled;
 
-use super::scene::Scene;
-
-/// Bytes of a PC2 file before its frames, and of a vertex.
-const HEADER_SIZE: usize = 32;
-const VERTEX_SIZE: usize = 12;
+use super::{
+    excess::{Excess, HEADER_SIZE, VERTEX_SIZE, position},
+    scene::Scene,
+};
 
 /// The whole shot in one run.
 pub(crate) struct Whole {
@@ -28,8 +25,8 @@ pub(crate) struct Whole {
     pub(crate) num_left: usize,
     pub(crate) num_left_by_check: usize,
     pub(crate) num_same_frames: usize,
-    pub(crate) excess_mm: f64,
-    pub(crate) excess_alone_mm: f64,
+    pub(crate) excess: Excess,
+    pub(crate) excess_alone: Excess,
     pub(crate) check_seconds: f64,
     pub(crate) seconds: f64,
     pub(crate) peak_mb: u64,
@@ -79,8 +76,8 @@ pub(crate) fn whole(scene: &Scene) -> Result<Whole, Failure> {
         num_left: num_unclean(&output[..scene.num_frames], "clean"),
         num_left_by_check: num_unclean(&after[..scene.num_frames.min(before.len())], "clean"),
         num_same_frames,
-        excess_mm: 1000.0 * excess_acceleration_m(scene, &input, &bytes),
-        excess_alone_mm: 1000.0 * excess_acceleration_m(scene, &input, &alone(scene, &output, &input)?),
+        excess: Excess::of(scene, &input, &bytes),
+        excess_alone: Excess::of(scene, &input, &alone(scene, &output, &input)?),
         check_seconds,
         seconds,
         peak_mb,
@@ -125,34 +122,6 @@ fn watch_memory(child: &mut Child) -> Result<u64, Failure> {
         sleep(Duration::from_millis(50));
     }
     Ok(peak)
-}
-
-fn position(num_vertices: usize, bytes: &[u8], frame: usize, vertex: usize) -> Vector3<f64> {
-    let start = HEADER_SIZE + VERTEX_SIZE * (frame * num_vertices + vertex);
-    Vector3::from_fn(|axis, _| {
-        let at = start + 4 * axis;
-        f64::from(f32::from_le_bytes(std::array::from_fn(|byte| bytes[at + byte])))
-    })
-}
-
-/// The largest second difference of a vertex's way in the output, beyond that of the input in the same frame and that
-/// of a smooth bump as high as its largest correction; not below 0.
-fn excess_acceleration_m(scene: &Scene, input: &[u8], output: &[u8]) -> f64 {
-    let fade = Fade { num_frames: 8 };
-    let mut worst = 0.0f64;
-    for vertex in 0..scene.num_vertices {
-        let way = |bytes: &[u8]| -> Vec<Vector3<f64>> {
-            (0..scene.num_frames).map(|frame| position(scene.num_vertices, bytes, frame, vertex)).collect()
-        };
-        let (before, after) = (way(input), way(output));
-        let height = before.iter().zip(&after).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);
-        let second = |way: &[Vector3<f64>]| (way[0] - way[1] * 2.0 + way[2]).norm();
-        for (before, after) in before.windows(3).zip(after.windows(3)) {
-            let beyond = second(after) - second(before) - fade.smooth_second_difference(height);
-            worst = worst.max(beyond);
-        }
-    }
-    worst
 }
 
 /// Repairs the shot in parts, one after the other. Gives back the seconds, and whether the parts hold the same frames.

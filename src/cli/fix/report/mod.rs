@@ -1,5 +1,7 @@
 //! What `untangled fix` reports: one document, as JSON or as lines for people.
 
+mod blocked;
+mod counts;
 mod distortion;
 
 use std::{
@@ -9,22 +11,16 @@ use std::{
 
 use serde::Serialize;
 
-use untangle::{
-    analysis::Analysis,
-    paths::PairType,
-    relax::{BlockedPath, Iteration, STRETCH_LIMIT},
-    sides::{Sides, clusters},
-};
+use untangle::relax::{Iteration, STRETCH_LIMIT};
 
 use crate::cli::{
-    certificate::Certificate,
     gap::GapReport,
-    input::Input,
-    owners::{OwnedVertex, Owners},
-    roles::{BodyCounts, BodyReport, LayerReport, Roles, num_behind, say_bodies, say_layers},
-    wording::{Counted, count_path_pairs, json_line, name_of, welded, zeroed},
+    roles::{BodyReport, say_bodies, say_layers},
+    wording::{Counted, json_line, name_of, welded, zeroed},
 };
 
+pub use blocked::Blocked;
+pub use counts::{Counts, LayerChange};
 pub use distortion::Distortion;
 
 /// The report of one repair; its fields are the JSON schema `untangled.fix/1`.
@@ -68,159 +64,6 @@ pub struct Report {
     pub blocked: Vec<Blocked>,
     /// The state after each iteration.
     pub history: Vec<Iteration>,
-}
-
-/// What of a layer is behind the layers before it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct LayerChange {
-    /// The file as it was named.
-    pub file: String,
-    /// Vertices behind, before and after.
-    pub num_vertices_behind: Change,
-}
-
-/// A count before and after.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Change {
-    /// In the inputs.
-    pub before: usize,
-    /// In the outputs, read back.
-    pub after: usize,
-}
-
-impl LayerChange {
-    /// The layers of two states; nothing without any.
-    pub(super) fn of(before: &Counts, after: &Counts) -> Option<Vec<Self>> {
-        let pairs = before.layers.as_ref()?.iter().zip(after.layers.as_ref()?);
-        let change = |(before, after): (&LayerReport, &LayerReport)| Self {
-            file: before.file.clone(),
-            num_vertices_behind: Change { before: before.num_vertices_behind, after: after.num_vertices_behind },
-        };
-        Some(pairs.map(change).collect())
-    }
-}
-
-/// Numbers of intersections of a state.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Counts {
-    /// Edges that pierce faces.
-    pub num_edge_face_intersections: usize,
-    /// Intersecting pairs of triangles.
-    pub num_face_pairs: usize,
-    /// Number of path pairs by type.
-    pub path_pairs: BTreeMap<PairType, usize>,
-    /// What cloth and bodies have with each other; nothing without bodies.
-    #[serde(flatten)]
-    pub bodies: Option<BodyCounts>,
-    /// The layers, if the files are layers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub layers: Option<Vec<LayerReport>>,
-    /// What readers of the files find, by the judge.
-    pub certificate: Certificate,
-}
-
-impl Counts {
-    pub(in crate::cli) fn new(analysis: &Analysis, roles: &Roles, input: &Input, certificate: Certificate) -> Self {
-        Self {
-            num_edge_face_intersections: analysis.intersections.edge_face.len(),
-            num_face_pairs: analysis.intersections.segments.len(),
-            path_pairs: count_path_pairs(analysis),
-            bodies: BodyCounts::of(input, &analysis.intersections),
-            layers: LayerReport::of(roles, input),
-            certificate,
-        }
-    }
-
-    /// Whether there is no intersection in the files as they are, and no vertex on the wrong side.
-    pub(in crate::cli) fn is_clean(&self) -> bool {
-        self.num_face_pairs == 0 && self.num_wrong() == 0
-    }
-
-    /// Vertices of the cloth inside of a body, or behind an inner layer.
-    pub(super) fn num_wrong(&self) -> usize {
-        let num_inside = self.bodies.map_or(0, |bodies| bodies.num_vertices_inside_body);
-        num_inside + num_behind(self.layers.as_deref())
-    }
-
-    /// Whether no reader of the files finds an intersection.
-    pub(in crate::cli) fn is_certified(&self) -> bool {
-        self.is_clean() && self.certificate.is_clean()
-    }
-}
-
-/// A path that could not be resolved.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Blocked {
-    /// Its type; nothing for vertices inside of a body.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pair_type: Option<PairType>,
-    /// For vertices inside of a body, joined by edges, how many they are.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub num_vertices_inside_body: Option<usize>,
-    /// A vertex next to it, counted from 0 over all files.
-    pub vertex: u32,
-    /// The file of that vertex.
-    pub file: String,
-    /// The vertex counted from 0 in its file.
-    pub vertex_in_file: usize,
-    /// The object or group that it stands in, if that has a name.
-    pub part: Option<String>,
-    /// Its length in metres; of vertices inside of a body the largest depth.
-    pub length_m: f64,
-    /// Why, in words.
-    pub reason: String,
-}
-
-impl From<BlockedPath> for Blocked {
-    fn from(path: BlockedPath) -> Self {
-        let BlockedPath { pair_type, vertex, length_m, reason } = path;
-        Self {
-            pair_type: Some(pair_type),
-            num_vertices_inside_body: None,
-            vertex,
-            file: String::new(),
-            vertex_in_file: vertex as usize,
-            part: None,
-            length_m,
-            reason,
-        }
-    }
-}
-
-impl Blocked {
-    /// What is inside of bodies in a state, cluster by cluster.
-    pub(super) fn inside_bodies(Input { weld, mesh, frame, .. }: &Input) -> Vec<Self> {
-        let Some(sides) = Sides::of(mesh, frame) else { return Vec::new() };
-        let blocked = clusters(mesh, &sides.wrong_vertices(mesh, frame)).into_iter().map(|cluster| {
-            let vertex = weld.first(cluster.vertex);
-            let reason = match cluster.num_pinned {
-                0 => "no motion brought it out of the body without crushing or overstretching the cloth",
-                count if count == cluster.num_vertices => "all its vertices are pinned, inside of a body",
-                _ => "a part of it is pinned inside of a body",
-            };
-            Self {
-                pair_type: None,
-                num_vertices_inside_body: Some(cluster.num_vertices),
-                vertex,
-                file: String::new(),
-                vertex_in_file: vertex as usize,
-                part: None,
-                length_m: cluster.depth_m,
-                reason: reason.to_owned(),
-            }
-        });
-        blocked.collect()
-    }
-
-    /// Says to whom the vertices of paths belong.
-    pub(in crate::cli) fn name_owners(blocked: &mut [Self], owners: &Owners<'_>) {
-        let of = owners.of_vertices(blocked.iter().map(|path| path.vertex));
-        for (path, owner) in blocked.iter_mut().zip(of) {
-            if let Some(OwnedVertex { file, vertex_in_file, part }) = owner {
-                (path.file, path.vertex_in_file, path.part) = (file, vertex_in_file, part);
-            }
-        }
-    }
 }
 
 /// Most paths that were left of which people are told; all are in the JSON document.

@@ -24,17 +24,17 @@ pub(super) fn identity(args: &FixArgs, shot: &Shot) -> Result<Identity, Sequence
     // A stage is recognised as a cache is.
     let is_stage = |path: &&Path| shot.cache.is_usd() && shot.files.iter().any(|file| file.path() == *path);
     add("FILE or --body", files(&shot.source_files().into_iter().filter(|path| !is_stage(path)).collect::<Vec<_>>())?);
-    add("--prim", format!("{:?}", args.sequence.prim));
+    add("--prim", format!("{:?}", args.world.sequence.prim));
     add("--pin", files(&args.pin.iter().map(AsRef::as_ref).collect::<Vec<_>>())?);
     let stamps: Vec<String> = shot.cache_files().iter().map(|path| stamp(path)).collect();
     add("--cache or --body-cache", checksum(stamps.join("\n").as_bytes()));
     add("--frames", format!("{:?}", shot.part));
-    add("--layers", format!("{:?}", args.roles.layers));
-    add("--weld", format!("{:?}", args.weld));
-    add("--gap", format!("{:?}", args.gap));
+    add("--layers", format!("{:?}", args.world.roles.layers));
+    add("--weld", format!("{:?}", args.world.weld));
+    add("--gap", format!("{:?}", args.world.gap));
     add("--quality", format!("{:?}", args.quality));
     add("--max-iterations", args.max_iterations.to_string());
-    add("--max-face-pairs", args.max_face_pairs.to_string());
+    add("--max-face-pairs", args.world.max_face_pairs.to_string());
     Ok(identity)
 }
 

@@ -50,7 +50,7 @@ pub(super) struct Earlier {
     pub(super) other: Option<(Vec<Entry>, String)>,
 }
 
-const VERSION: &str = concat!("untangled ", env!("CARGO_PKG_VERSION"), ", sequence 1");
+const VERSION: &str = concat!("untangled ", env!("CARGO_PKG_VERSION"), ", sequence 2");
 
 /// A path with something behind its name.
 pub(super) fn beside(path: &Path, what: &str) -> PathBuf {

@@ -22,14 +22,7 @@ use std::io::{self, Write};
 
 use untangle::coherence::RoughnessMeter;
 
-use super::{
-    SCHEMA,
-    error::SequenceError,
-    page::ShotPage,
-    pipeline::Pipeline,
-    progress::FrameProgress,
-    shot::{Asks, Shot},
-};
+use super::{SCHEMA, error::SequenceError, page::ShotPage, pipeline::Pipeline, progress::FrameProgress, shot::Shot};
 use crate::cli::{
     fix::{FixArgs, FixError, Interrupt, Target, pins},
     html::settings_of_fix,
@@ -90,14 +83,7 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
 }
 
 fn open(args: &FixArgs) -> Result<Shot, SequenceError> {
-    let mut shot = Shot::open(Asks {
-        files: &args.files,
-        roles: &args.roles,
-        sequence: &args.sequence,
-        weld: args.weld,
-        max_face_pairs: args.max_face_pairs,
-        gap: args.gap.asked(),
-    })?;
+    let mut shot = Shot::open(&args.world)?;
     let num_vertices = shot.files.iter().map(|file| file.positions().len()).sum();
     let pins = args.pin.as_deref().map(|path| pins::read(path, num_vertices)).transpose()?;
     shot.pins = pins.unwrap_or_default();
@@ -278,13 +264,17 @@ impl<'a> Run<'a> {
             let write = |out: &mut dyn Write| out.write_all(lines.as_bytes()).map_err(|source| target.failed(&source));
             target.stage(interrupt, write)?.persist()?;
         }
-        if let Some(mut page) = self.page {
-            page.say(&words);
-            page.write(self.shot, ("fix", settings_of_fix(args)), &line, interrupt)?;
-        }
         self.output.finish(self.shot, interrupt)?;
         self.journal.remove()?;
+        if let Some(page) = &mut self.page {
+            page.say(&words);
+        }
         print(&if self.is_json { totals } else { words })?;
+        if let Some(page) = self.page {
+            // There is nothing left to go on with.
+            interrupt.commit()?;
+            page.write(self.shot, ("fix", settings_of_fix(args)), &line, interrupt)?;
+        }
         Ok(if clean { Outcome::Clean } else { Outcome::Remaining })
     }
 }

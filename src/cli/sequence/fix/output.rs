@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use untangled_mesh_io::{Pattern, VertexCache};
+use untangled_mesh_io::{Pattern, UsdError, VertexCache};
 
 use super::journal::{Entry, beside};
 use crate::cli::{
@@ -69,6 +69,7 @@ impl Output {
         }
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         let target = Target::new(out.to_path_buf(), &inputs, overwrite)?;
+        shot.cache.check_layer(&target.place).map_err(|reason| error(&reason))?;
         let partial = beside(&target.place, "partial");
         let frame_size = 12 * shot.cache.read(*shot.part.start())?.positions().len();
         let open = || OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&partial);
@@ -207,7 +208,13 @@ impl OneFile {
             let write = shot.cache.write_layer(&target.place, &shot.part, &mut read, out);
             write.map_err(|source| target.failed(&source))
         })?;
-        self.read_back(shot, staged.path())?;
+        self.read_back(shot, staged.path()).map_err(|error| match error {
+            // The layer has no name yet that means anything to anybody.
+            SequenceError::Usd(fault) if fault.path == staged.path() => {
+                UsdError { path: target.path.clone(), ..fault }.into()
+            }
+            error => error,
+        })?;
         staged.persist()?;
         fs::remove_file(partial).map_err(|source| failed(partial, &source))
     }

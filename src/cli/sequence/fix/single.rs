@@ -75,11 +75,12 @@ impl Repairer<'_> {
         let clearing = Clearing { repair: &repair, asked: shot.gap.clone(), input, owners: &owners };
         let (Repaired { written, history, mut blocked, .. }, gap) = clearing.run(repaired, interrupt, &mut progress)?;
         Blocked::name_owners(&mut blocked, &owners);
+        let num_zeroed_coordinates = written.input.num_zeroed_coordinates();
         let mut positions = written.input.positions;
         positions.truncate(own.positions().len());
         Ok(RepairedFrame {
             positions,
-            found: Judgement { counts: written.counts, gap },
+            found: Judgement { counts: written.counts, gap, num_zeroed_coordinates },
             blocked,
             num_iterations: history.len(),
         })

@@ -91,6 +91,7 @@ fn meshes_that_are_not_drawn_are_left_out_below_the_prim_but_not_at_it() {
         hidden("proxy", "uniform token purpose = \"proxy\""),
         hidden("hidden", "token visibility = \"invisible\""),
         hidden("off", "").replace("\"off\"", "\"off\" (active = false)"),
+        hidden("gone", "").replace("\"gone\"", "\"gone\" (active = false references = @none.usda@</none>)"),
         hidden("class", "").replace("def Mesh", "class Mesh"),
         hidden("over", "").replace("def Mesh", "over"),
     ];
@@ -99,4 +100,47 @@ fn meshes_that_are_not_drawn_are_left_out_below_the_prim_but_not_at_it() {
     let files = [("shot.usda", text.as_bytes())];
     assert_eq!(open(folder.path(), &files, "/set").unwrap().0.positions().len(), 3);
     assert_eq!(open(folder.path(), &files, "/set/proxy").unwrap().0.positions().len(), 3);
+}
+
+#[test]
+fn target_below_prims_with_arcs_and_variants_brings_in_what_these_bring_in() {
+    // The mesh stands in `deep`, which is brought in at the prim above the one that is referred to.
+    let deep = layer("", &format!("def \"base\" {{ def \"part\" {{ {TRIANGLE} }} }}\n"));
+    let deep = ("deep.usda", deep.as_str());
+    let library = |arc: &str| layer("", &format!("def \"lib\" ({arc}) {{}}\n"));
+    let shot = |path: &str| layer("", &format!("def \"set\" (references = @lib.usda@<{path}>) {{}}\n"));
+    for arc in ["references = @deep.usda@</base>", "payload = @deep.usda@</base>"] {
+        let files = [("shot.usda", shot("/lib/part")), ("lib.usda", library(arc)), (deep.0, deep.1.to_owned())];
+        let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
+        assert_eq!(first_point(&files, "/set/tri"), [0.0; 3], "{arc}");
+    }
+    // In a variant of the prim above, with an opinion of the layer that has the variant over it.
+    let variants = format!(
+        "def \"lib\" (\n variants = {{ string size = \"large\" }}\n prepend variantSets = \"size\"\n) {{\n \
+         over \"part\" {{ over \"tri\" {{ {} }} }}\n \
+         variantSet \"size\" = {{ \"large\" {{ def \"part\" {{ {TRIANGLE} }} }} \"small\" {{}} }} }}\n",
+        points("4")
+    );
+    let files = [("shot.usda", shot("/lib/part")), ("lib.usda", layer("", &variants))];
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
+    assert_eq!(first_point(&files, "/set/tri"), [0.0, 0.0, 4.0]);
+    // Within one layer, and a mesh itself.
+    let own = layer(
+        "",
+        "def \"all\" (references = @deep.usda@</base>) {}\ndef Mesh \"set\" (references = </all/part/tri>) {}\n",
+    );
+    assert_eq!(first_point(&[("shot.usda", &own), deep], "/set"), [0.0; 3]);
+}
+
+#[test]
+fn target_takes_the_time_codes_of_the_arcs_above_it() {
+    let samples = "point3f[] points.timeSamples = { 0: [(0,0,0),(1,0,0),(0,1,0)], 1: [(0,0,1),(1,0,0),(0,1,0)], }";
+    let deep =
+        layer("", &format!("def \"base\" {{ {} }}\n", TRIANGLE.replace("point3f[] points =", &format!("{samples} #"))));
+    let library = layer("", "def \"lib\" (references = @deep.usda@</base> (offset = 10)) {}\n");
+    let shot = layer("", "def \"set\" (references = @lib.usda@</lib/tri> (scale = 2)) {}\n");
+    let folder = tempfile::tempdir().unwrap();
+    let files = [("shot.usda", shot.as_bytes()), ("lib.usda", library.as_bytes()), ("deep.usda", deep.as_bytes())];
+    let (_, cache) = open(folder.path(), &files, "/set").unwrap();
+    assert_eq!([cache.time_code(0), cache.time_code(1)], [Some(20.0), Some(22.0)]);
 }

@@ -41,7 +41,11 @@ fn meshes_that_are_not_read_are_refused_with_the_prim_and_the_face_or_point() {
         (layer("", TRIANGLE), "/none", ": prim /none: is not there"),
         (layer("", TRIANGLE), "tri", ": prim tri: is no path of a prim, such as /garment/cloth"),
         (layer("", "def \"a\" {}\n"), "/a", ": prim /a: there is no mesh at it or below it that is drawn"),
-        (triangle("point3f", "half3"), "/tri", ": prim /tri: has points of the type half3[]; point3f[] is read"),
+        (
+            triangle("point3f", "half3"),
+            "/tri",
+            ": prim /tri: has points of the type half3[]; point3f[], float3[] and vector3f[] are read",
+        ),
         (triangle("[3]", "[4]"), "/tri", ": prim /tri: has fewer corners than face 0 (from 0) needs"),
         (triangle("[3]", "[2]"), "/tri", ": prim /tri: face 0 (from 0) has 2 corners, at least 3 are needed"),
         (
@@ -62,7 +66,13 @@ fn meshes_that_are_not_read_are_refused_with_the_prim_and_the_face_or_point() {
             "/tri",
             ": prim /tri: point 1 (from 0) has a coordinate that is not finite",
         ),
-        (triangle("(1, 0, 0)", "(1, x, 0)"), "/tri", ": `x` is no number that fits here"),
+        (triangle("(1, 0, 0)", "(1, x, 0)"), "/tri", ":9: prim /tri: points: `x` is no number that fits here"),
+        (triangle("[3]", "[-3]"), "/tri", ": prim /tri: face 0 (from 0) has -3 corners, at least 3 are needed"),
+        (
+            triangle("[0, 1, 2]", "[0, 1,\n 99999999999999999999]"),
+            "/tri",
+            ":9: prim /tri: faceVertexIndices: `99999999999999999999` is no number that fits here",
+        ),
     ]);
 }
 
@@ -72,8 +82,8 @@ fn transforms_and_arcs_that_are_not_read_are_refused_with_the_prim() {
     let half = "{ half3 xformOp:scale = (1, 1, x)\n uniform token[] xformOpOrder = [\"xformOp:scale\"]\n";
     let shear = "{ uniform token[] xformOpOrder = [\"xformOp:shear\"]\n";
     assert_refused(vec![
-        (triangle("{\n", flat), "/tri", ": prim /tri: has a transform that can't be inverted"),
-        (triangle("{\n", half), "/tri", ": `x` stands where a number is needed"),
+        (triangle("{\n", flat), "/tri", ": prim /tri: xformOp:scale is a transform that can't be inverted"),
+        (triangle("{\n", half), "/tri", ":6: prim /tri: xformOp:scale: `x` stands where a number is needed"),
         (triangle("{\n", shear), "/tri", ": prim /tri: has the transform xformOp:shear, which is not known"),
         (
             set("instanceable = true references = </c>"),
@@ -96,14 +106,94 @@ fn transforms_and_arcs_that_are_not_read_are_refused_with_the_prim() {
             ": prim /set: names a layer that is not read: none.usda: can't be read: No such file or directory (os \
              error 2)",
         ),
-        (set("references = @shot.usda@"), "/set", ": prim /set: names a layer without a default prim"),
-        (set("references = </set>"), "/set", ": prim /set: has too many references, payloads and variants"),
+        (
+            set("payload = @https://example.com/a.usda@"),
+            "/set",
+            ": prim /set: names a layer that is not read: https://example.com/a.usda: is a network address, and layers \
+             are read from files",
+        ),
+        (set("references = @shot.usda@"), "/set", ": prim /set: names the layer shot.usda, which has no default prim"),
+        (
+            format!(
+                "def \"world\" {{ double3 xformOp:scale = (0, 1, 1)\n uniform token[] xformOpOrder = \
+                     [\"xformOp:scale\"]\n{TRIANGLE} }}\n"
+            )
+            .replace("def \"world\"", &layer("", "def \"world\"")),
+            "/world",
+            ": prim /world: xformOp:scale is a transform that can't be inverted",
+        ),
+    ]);
+}
+
+#[test]
+fn arcs_to_prims_that_are_not_there_are_refused_with_both() {
+    let missing = |site: &str| format!(": prim /set: refers to @shot.usda@</{site}>, which is not there");
+    let default = set("references = @shot.usda@").replace("metersPerUnit", "defaultPrim = \"none\"\n metersPerUnit");
+    assert_refused(vec![
+        (set("references = </none>"), "/set", &missing("none")),
+        (set("payload = @shot.usda@</c/none>"), "/set", &missing("c/none")),
+        (set("prepend references = [</c>, </set2>]"), "/set", &missing("set2")),
+        (default, "/set", &missing("none")),
+        // Below a prim whose own arcs bring in another one.
+        (set("references = </lib/none>") + "def \"lib\" (references = </c>) {}\n", "/set", &missing("lib/none")),
+        // Behind a mesh that is there, and in a variant.
+        (
+            layer("", &format!("def \"set\" {{ {TRIANGLE}\ndef \"b\" (payload = </none>) {{}} }}\n")),
+            "/set",
+            ": prim /set/b: refers to @shot.usda@</none>, which is not there",
+        ),
+        (
+            layer(
+                "",
+                "def \"set\" (variants = { string v = \"a\" }\n variantSets = \"v\") { variantSet \"v\" = { \
+                 \"a\" (references = </none>) {} } }\n",
+            ),
+            "/set",
+            &missing("none"),
+        ),
+    ]);
+}
+
+#[test]
+fn cycles_of_arcs_are_refused_with_their_way() {
+    let at = |prim: &str, names: &[&str]| {
+        let way: Vec<String> = names.iter().map(|name| format!("@shot.usda@<{name}>")).collect();
+        format!(": prim {prim}: refers to itself in a cycle: {}", way.join(" -> "))
+    };
+    let two = "def \"a\" (references = </b>) {}\ndef \"b\" (payload = </a>) {}\n";
+    let below = "def \"a\" (references = </b>) {}\ndef \"b\" { def \"c\" (references = </a>) {} }\n";
+    let above = "def \"a\" (references = </b/c>) {}\ndef \"b\" (references = </a/x>) {}\n";
+    assert_refused(vec![
+        (set("references = </set>"), "/set", &at("/set", &["/set", "/set"])),
+        (set("references = </set/tri>"), "/set", &at("/set", &["/set", "/set/tri"])),
+        (layer("", two), "/a", &at("/a", &["/a", "/b", "/a"])),
+        (layer("", below), "/a", &at("/a/c", &["/a/c", "/b/c", "/a"])),
+        (layer("", above), "/a", &at("/a", &["/a", "/b", "/a/x"])),
     ]);
 }
 
 #[test]
 fn layers_that_are_broken_are_refused_with_the_line() {
+    let end = |line: usize, from: usize, sign: char| {
+        format!(":{line}: ends, and what is opened in line {from} is not closed: `{sign}` is missing")
+    };
     assert_refused(vec![
+        (layer("", "def \"a\" {\n    def \"b\" {\n    }\n"), "/a", &end(9, 6, '}')),
+        (layer("", "def \"a\" (\n    active = true\n"), "/a", &end(8, 6, ')')),
+        (layer("", "def \"a\" {\n variantSet \"v\" = {\n"), "/a", &end(8, 7, '}')),
+        (layer("", "def \"a\" {\n int b = [\n1,\n"), "/a", &end(9, 7, ']')),
+        (layer("", "def \"a\" {\n int b.timeSamples = {\n1: 2,\n"), "/a", &end(9, 7, '}')),
+        (
+            layer("subLayers = [@omniverse://host/a.usda@]", TRIANGLE),
+            "/tri",
+            ": names a sublayer that is not read: omniverse://host/a.usda: is a network address, and layers are read \
+             from files",
+        ),
+        (
+            layer("subLayers = [@none.usda@]", TRIANGLE),
+            "/tri",
+            ": names a sublayer that is not read: none.usda: can't be read: No such file or directory (os error 2)",
+        ),
         (layer("subLayers = [@shot.usda@]", TRIANGLE), "/tri", ": is a sublayer of itself"),
         (layer("", "def \"a\" {\n    int b = [1\n}\n"), "/a", ":8: `]` is needed here"),
         (layer("", "def \"a\" {}\ndef \"a\" {}\n"), "/a", ":7: there are two prims `a` here"),

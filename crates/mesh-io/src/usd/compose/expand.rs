@@ -2,7 +2,7 @@
 
 use super::{
     stacks::Stage,
-    tree::{ArcKind, Node},
+    tree::{ArcKind, Node, Site},
 };
 use crate::usd::{
     fault::UsdError,
@@ -15,8 +15,10 @@ use crate::usd::{
 
 /// Most sites with opinions on one prim.
 const MOST_SITES: usize = 512;
-/// Most opinions that are looked at for a whole stage: prims that refer to themselves have no end.
+/// Most opinions that are looked at for a whole stage.
 const MOST_WORK: usize = 4_000_000;
+/// How deep targets may stand below prims with arcs of their own, one target within the other.
+const MOST_NESTED: usize = 16;
 
 /// A site that is named by another: its layer stack, its path, and its time codes.
 type Target = (Option<Address>, String, Retiming);
@@ -34,21 +36,24 @@ impl Stage {
         Ok(opinions)
     }
 
-    /// Follows the arcs of all sites of a prim.
-    pub(super) fn expand(&mut self, tree: &mut Node, prim: &str) -> Result<(), UsdError> {
-        let depth = prim.split('/').count();
+    /// Follows the arcs of all sites of a prim. Of a target that is composed by itself, `above` are the sites from
+    /// which arcs lead to it.
+    pub(super) fn expand(&mut self, tree: &mut Node, prim: &str, above: &[Site]) -> Result<(), UsdError> {
         loop {
             let sites = tree.sites();
             self.work += sites.iter().map(|node| self.stacks[node.stack].layers.len()).sum::<usize>();
-            if sites.len() > MOST_SITES || depth > MOST_DEPTH || self.work > MOST_WORK {
+            let is_too_deep = prim.split('/').count() > MOST_DEPTH || tree.path.len() > MOST_DEPTH;
+            if sites.len() > MOST_SITES || is_too_deep || self.work > MOST_WORK {
                 return Err(self.error(prim, "has too many references, payloads and variants"));
             }
-            if let Some(node) = sites.iter().find(|node| !node.has_arcs) {
-                let nodes = self.referenced(&node.alone(), prim)?;
+            if let Some(chain) = tree.chain_to(&|node| !node.has_arcs) {
+                let node = chain.last().map_or_else(Node::root, |node| node.alone());
+                let chain: Vec<Site> = above.iter().cloned().chain(chain.iter().map(|node| node.site())).collect();
+                let nodes = self.referenced(&node, prim, &chain)?;
                 let node = tree.first_mut(&|node| !node.has_arcs);
                 node.into_iter().for_each(|node| {
                     node.has_arcs = true;
-                    node.attach(nodes.clone(), depth);
+                    node.attach(nodes.clone());
                 });
             } else if let Some(node) = sites.iter().find(|node| !node.has_variants) {
                 // After all references, since these may choose.
@@ -56,7 +61,7 @@ impl Stage {
                 let node = tree.first_mut(&|node| !node.has_variants);
                 node.into_iter().for_each(|node| {
                     node.has_variants = true;
-                    node.attach(nodes.clone(), depth);
+                    node.attach(nodes.clone());
                 });
             } else {
                 return self.check_classes(tree, prim);
@@ -64,8 +69,8 @@ impl Stage {
         }
     }
 
-    /// The sites of the references and payloads of a site.
-    fn referenced(&mut self, node: &Node, prim: &str) -> Result<Vec<Node>, UsdError> {
+    /// The sites of the references and payloads of a site, the last of a chain.
+    fn referenced(&mut self, node: &Node, prim: &str, chain: &[Site]) -> Result<Vec<Node>, UsdError> {
         let opinions = self.opinions(node)?;
         if let Some(what) = opinions.iter().find_map(|(_, _, spec)| spec.beyond) {
             return Err(self.error(prim, format!("{what}, which is not read; flatten the stage first")));
@@ -78,7 +83,11 @@ impl Stage {
                 self.resolved(list, *layer, *retiming).apply(&mut targets);
             }
             for (address, path, retiming) in targets {
-                nodes.push(self.target(node, kind, address.as_ref(), &path, retiming, prim)?);
+                let (stack, elements) = self.target_site(node, address.as_ref(), &path, prim)?;
+                let scale = self.stacks[node.stack].rate() / self.stacks[stack].rate();
+                let rate = Retiming { offset: 0.0, scale: if address.is_some() { scale } else { 1.0 } };
+                let root = Node::new(stack, Vec::new(), kind, retiming.then(rate));
+                nodes.push(self.target(root, &elements, prim, chain)?);
             }
         }
         Ok(nodes)
@@ -102,15 +111,14 @@ impl Stage {
         }
     }
 
-    fn target(
+    /// Where a target stands: its layer stack and its path.
+    fn target_site(
         &mut self,
         node: &Node,
-        kind: ArcKind,
         address: Option<&Address>,
         path: &str,
-        retiming: Retiming,
         prim: &str,
-    ) -> Result<Node, UsdError> {
+    ) -> Result<Site, UsdError> {
         let stack = address.map_or(Ok(node.stack), |address| {
             self.stack(address).map_err(|error| self.error(prim, format!("names a layer that is not read: {error}")))
         })?;
@@ -118,11 +126,51 @@ impl Stage {
         let path = if path.is_empty() { default.unwrap_or_default() } else { path };
         let elements = elements(path);
         if elements.is_empty() {
-            return Err(self.error(prim, "names a layer without a default prim"));
+            return Err(
+                self.error(prim, format!("names the layer {}, which has no default prim", self.stacks[stack].root))
+            );
         }
-        let scale = self.stacks[node.stack].rate() / self.stacks[stack].rate();
-        let rate = Retiming { offset: 0.0, scale: if address.is_some() { scale } else { 1.0 } };
-        Ok(Node::new(stack, elements, kind, retiming.then(rate)))
+        Ok((stack, elements))
+    }
+
+    /// The site of a target below the `root` of its layer stack, with all that the arcs of prims above it bring in.
+    ///
+    /// # Errors
+    /// For a target that leads back to a site of the `chain` that leads to it, and for one of which no layer says
+    /// anything: what it should bring in would be certified unseen.
+    fn target(&mut self, root: Node, elements: &[String], prim: &str, chain: &[Site]) -> Result<Node, UsdError> {
+        let site = (root.stack, elements.to_vec());
+        // A prim that brings in one above or below it has no end either.
+        let is_same =
+            |(stack, path): &Site| *stack == root.stack && (path.starts_with(elements) || elements.starts_with(path));
+        if let Some(start) = chain.iter().position(is_same) {
+            let cycle = chain[start..].iter().chain([&site]).map(|site| self.words(site)).collect::<Vec<_>>();
+            return Err(self.error(prim, format!("refers to itself in a cycle: {}", cycle.join(" -> "))));
+        }
+        if chain.len() > MOST_SITES || self.num_nested >= MOST_NESTED {
+            return Err(self.error(prim, "has too many references, payloads and variants"));
+        }
+        let mut node = root;
+        self.num_nested += 1;
+        for (index, name) in elements.iter().enumerate() {
+            node.descend(name);
+            // Its own arcs are followed with those of the prim that it is a target of, whose opinions may choose.
+            if index + 1 < elements.len() {
+                self.expand(&mut node, prim, chain)?;
+            }
+        }
+        self.num_nested -= 1;
+        for site in node.sites() {
+            if !self.opinions(site)?.is_empty() {
+                return Ok(node);
+            }
+        }
+        Err(self.error(prim, format!("refers to {}, which is not there", self.words(&site))))
+    }
+
+    /// A site in the notation of USD.
+    fn words(&self, (stack, path): &Site) -> String {
+        format!("@{}@</{}>", self.stacks[*stack].root, path.join("/"))
     }
 
     /// The sites of the variants that are chosen at a site.

@@ -21,6 +21,9 @@ pub(in crate::usd) struct ComposedPrim {
 /// An attribute: its strongest values.
 #[derive(Clone, Debug, Default)]
 pub(in crate::usd) struct Attribute {
+    /// The path of its prim, and its own name.
+    prim: String,
+    pub(in crate::usd) name: String,
     pub(in crate::usd) type_name: String,
     layer: usize,
     default: Option<Slot>,
@@ -49,12 +52,16 @@ impl Stage {
         Ok(prims)
     }
 
-    /// A child of a prim.
+    /// A child of a prim. Of one that the stage itself makes inactive no arcs are followed: nothing of it is drawn,
+    /// whether they lead anywhere or not.
     pub(in crate::usd) fn child(&mut self, above: &ComposedPrim, name: &str) -> Result<ComposedPrim, UsdError> {
         let path = format!("{}/{name}", above.path);
         let mut tree = above.tree.clone();
         tree.descend(name);
-        self.expand(&mut tree, &path)?;
+        let own = self.opinions(&tree)?;
+        if own.iter().find_map(|(_, _, spec)| spec.active) != Some(false) {
+            self.expand(&mut tree, &path, &[])?;
+        }
         let mut opinions = Vec::new();
         for node in tree.sites() {
             opinions.extend(self.opinions(node)?);
@@ -70,7 +77,12 @@ impl Stage {
 
     /// A value of an attribute.
     pub(in crate::usd) fn value(&self, attribute: &Attribute, slot: &Slot) -> Result<Value, UsdError> {
-        self.layers[attribute.layer].value(slot, &attribute.type_name)
+        let value = self.layers[attribute.layer].value(slot, &attribute.type_name);
+        value.map_err(|error| UsdError {
+            prim: Some(attribute.prim.clone()),
+            reason: format!("{}: {}", attribute.name, error.reason),
+            ..error
+        })
     }
 }
 
@@ -126,6 +138,8 @@ impl ComposedPrim {
         // A negative scale turns time round.
         samples.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         Some(Attribute {
+            prim: self.path.clone(),
+            name: name.to_owned(),
             type_name: type_name.cloned().unwrap_or_default(),
             layer,
             default: property.default.clone(),

@@ -19,7 +19,7 @@ const TIME_CODES_PER_SECOND: f64 = 24.0;
 /// A layer and those below it.
 #[derive(Debug)]
 pub(super) struct Stack {
-    root: Address,
+    pub(super) root: Address,
     /// Layers by number, each with how its time codes become those of the root.
     pub(super) layers: Vec<(usize, Retiming)>,
     /// What the root layer says of the stage.
@@ -34,12 +34,15 @@ pub(in crate::usd) struct Stage {
     pub(super) stacks: Vec<Stack>,
     /// Opinions that were looked at to compose prims.
     pub(super) work: usize,
+    /// Targets that are being composed, one for the other.
+    pub(super) num_nested: usize,
 }
 
 impl Stage {
     /// Opens the layers of the stack of a file.
     pub(in crate::usd) fn open(path: &Path) -> Result<Self, UsdError> {
-        let mut stage = Self { path: path.to_path_buf(), layers: Vec::new(), stacks: Vec::new(), work: 0 };
+        let (layers, stacks) = (Vec::new(), Vec::new());
+        let mut stage = Self { path: path.to_path_buf(), layers, stacks, work: 0, num_nested: 0 };
         stage.stack(&Address { file: path.to_path_buf(), entry: None })?;
         Ok(stage)
     }
@@ -103,8 +106,12 @@ impl Stage {
         }
         above.push(address.clone());
         for sublayer in &spec.sublayers {
-            let retiming = retiming.then(sublayer.retiming);
-            self.add(&own.resolve(&sublayer.asset), retiming, Some(rate), above, stack)?;
+            let (retiming, address) = (retiming.then(sublayer.retiming), own.resolve(&sublayer.asset));
+            if let Err(error) = self.layer(&address) {
+                let fault = Fault::new(format!("names a sublayer that is not read: {error}"));
+                return Err(self.layers[number].error(fault));
+            }
+            self.add(&address, retiming, Some(rate), above, stack)?;
         }
         above.pop();
         Ok(spec)

@@ -11,6 +11,9 @@ pub(super) enum ArcKind {
     Payload,
 }
 
+/// A layer stack by its number, and a path of names and variants.
+pub(super) type Site = (usize, Vec<String>);
+
 /// A site, and those that it brings in.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -18,7 +21,7 @@ pub(super) struct Node {
     /// Names and variants.
     pub(super) path: Vec<String>,
     pub(super) kind: ArcKind,
-    /// The depth in the namespace at which it came in.
+    /// The depth in the namespace of the site that brings it in, at which it came in.
     pub(super) depth: usize,
     /// How its time codes become those of the stage.
     pub(super) retiming: Retiming,
@@ -37,6 +40,10 @@ impl Node {
         Self { stack, path, kind, depth: 0, retiming, below: Vec::new(), has_arcs: false, has_variants: false }
     }
 
+    pub(super) fn site(&self) -> Site {
+        (self.stack, self.path.clone())
+    }
+
     /// The same site without those that it brings in.
     pub(super) fn alone(&self) -> Self {
         Self::new(self.stack, self.path.clone(), self.kind, self.retiming)
@@ -50,7 +57,8 @@ impl Node {
     }
 
     /// Adds sites: stronger are kinds in their order, then those that came in deeper, then those named first.
-    pub(super) fn attach(&mut self, nodes: Vec<Self>, depth: usize) {
+    pub(super) fn attach(&mut self, nodes: Vec<Self>) {
+        let depth = self.path.len();
         self.below.extend(nodes.into_iter().map(|node| Self { depth, ..node }));
         self.below.sort_by_key(|node| (node.kind, std::cmp::Reverse(node.depth)));
     }
@@ -60,6 +68,15 @@ impl Node {
         let mut sites = vec![self];
         self.below.iter().for_each(|node| sites.extend(node.sites()));
         sites
+    }
+
+    /// The sites from this one to the strongest that a condition holds for.
+    pub(super) fn chain_to(&self, condition: &impl Fn(&Self) -> bool) -> Option<Vec<&Self>> {
+        if condition(self) {
+            return Some(vec![self]);
+        }
+        let below = self.below.iter().find_map(|node| node.chain_to(condition))?;
+        Some([vec![self], below].concat())
     }
 
     /// The strongest site that a condition holds for.

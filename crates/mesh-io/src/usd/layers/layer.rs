@@ -33,14 +33,25 @@ impl Display for Address {
 impl Address {
     /// The address of an asset that the layer at this one names.
     pub(in crate::usd) fn resolve(&self, asset: &str) -> Self {
-        if let Some(entry) = &self.entry {
+        if let Some(entry) = self.entry.as_ref().filter(|_| !is_network(asset)) {
             let folder = Path::new(entry).parent().unwrap_or_else(|| Path::new(""));
             let entry = Some(tidy(&folder.join(asset)).to_string_lossy().into_owned());
             return Self { file: self.file.clone(), entry };
         }
+        if is_network(asset) {
+            return Self { file: asset.into(), entry: None };
+        }
         let folder = self.file.parent().unwrap_or_else(|| Path::new(""));
         Self { file: tidy(&folder.join(asset)), entry: None }
     }
+}
+
+/// Whether an asset path is an address with a scheme, such as `https://`.
+fn is_network(asset: &str) -> bool {
+    asset.split_once("://").is_some_and(|(scheme, _)| {
+        let is_part = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'+' | b'-' | b'.');
+        scheme.starts_with(|char: char| char.is_ascii_alphabetic()) && scheme.bytes().all(is_part)
+    })
 }
 
 /// A path without `.`.
@@ -87,11 +98,10 @@ impl Layer {
     /// What it says of the prim at a path, if anything.
     pub(in crate::usd) fn spec(&self, path: &[String]) -> Result<Option<PrimSpec>, UsdError> {
         let Some(prim) = self.find(path) else { return Ok(None) };
-        let spec = match &self.format {
-            Format::Binary(layer) => layer.spec(prim),
-            Format::Text(layer) => Ok(layer.spec(prim)),
-        };
-        spec.map(Some).map_err(|fault| self.error(fault))
+        match &self.format {
+            Format::Binary(layer) => layer.spec(prim).map_err(|fault| self.error(fault)),
+            Format::Text(layer) => Ok(Some(layer.spec(prim))),
+        }
     }
 
     /// Decodes a value of a property of that type.
@@ -101,8 +111,7 @@ impl Layer {
             (Format::Text(layer), slot) => layer.value(slot, type_name),
             (Format::Binary(_), Slot::Text { .. }) => Ok(Value::Other),
         };
-        // Lines are those of the value alone.
-        value.map_err(|Fault { reason, .. }| self.error(Fault::new(reason)))
+        value.map_err(|fault| self.error(fault))
     }
 
     /// Most bytes of mesh that it may give.
@@ -119,6 +128,9 @@ impl Layer {
 }
 
 fn open(address: &mut Address) -> Result<Format, Fault> {
+    if is_network(&address.file.to_string_lossy()) {
+        return Err(Fault::new("is a network address, and layers are read from files"));
+    }
     let mut source = Source::open(&address.file)?;
     if archive::is_archive(&start(&source)?) {
         let entries = archive::entries(&source)?;

@@ -7,9 +7,13 @@
 //! |---|---|
 //! | `integers` | compressed blocks and integers |
 //! | `tables` | tokens, fields, paths, specs |
+//! | `rep` | the representation of a value |
+//! | `reader` | numbers one after the other, and structures of them |
 //! | `values` | values by their representation |
 
 mod integers;
+mod reader;
+mod rep;
 mod tables;
 mod values;
 
@@ -21,8 +25,8 @@ use super::{
     value::{Slot, Value},
 };
 use crate::usd::fault::Fault;
+use rep::Rep;
 use tables::{END, MAGIC, Tables};
-use values::Rep;
 
 /// A layer in a crate file.
 #[derive(Debug)]
@@ -75,9 +79,12 @@ impl BinaryLayer {
         self.tables.source.budget()
     }
 
-    /// What the layer says of a prim.
-    pub(super) fn spec(&self, prim: u32) -> Result<PrimSpec, Fault> {
+    /// What the layer says of a prim; nothing where it only names the path.
+    pub(super) fn spec(&self, prim: u32) -> Result<Option<PrimSpec>, Fault> {
         let tables = &self.tables;
+        if !tables.specs.contains_key(&prim) {
+            return Ok(None);
+        }
         let mut spec = PrimSpec::default();
         let mut retimings = Vec::new();
         for (name, rep) in self.fields(prim)? {
@@ -114,7 +121,7 @@ impl BinaryLayer {
             tables::bounded(&tables.source, num_samples, 32)?;
             spec.properties.insert(name, property);
         }
-        Ok(spec)
+        Ok(Some(spec))
     }
 
     fn property(&self, path: u32) -> Result<Property, Fault> {

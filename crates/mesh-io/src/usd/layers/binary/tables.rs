@@ -120,6 +120,22 @@ impl Tables {
         let token = self.strings.get(index as usize);
         self.token(*token.ok_or_else(|| Fault::new("refers to a string that is none"))?)
     }
+
+    /// Texts by their indices; each may be long, and named often.
+    pub(super) fn texts(
+        &self,
+        indices: Vec<[u8; 4]>,
+        text: impl Fn(u32) -> Result<String, Fault>,
+    ) -> Result<Vec<String>, Fault> {
+        let mut num_bytes = 0;
+        let text = |index: [u8; 4]| {
+            let text = text(u32::from_le_bytes(index))?;
+            num_bytes += (text.len() + size_of::<String>()) as u64;
+            bounded(&self.source, num_bytes, 1)?;
+            Ok(text)
+        };
+        indices.into_iter().map(text).collect()
+    }
 }
 
 /// Where sections start, by name.

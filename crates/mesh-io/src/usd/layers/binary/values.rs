@@ -1,231 +1,34 @@
-//! Values of crate files, by their representation: a type, flags, and a number that is the value itself or says where
-//! it is.
+//! Values of crate files, by their representation.
 
 use super::{
     integers::{decode, decompress, most_bytes},
+    reader::Reader,
+    rep::{Rep, kind},
     tables::{Tables, bounded},
 };
 use crate::usd::{
     fault::Fault,
-    layers::{
-        spec::{ArcTarget, ListOp, Retiming},
-        value::{Slot, Value},
-    },
+    layers::value::{Slot, Value},
 };
 
-/// The representation of a value.
-#[derive(Clone, Copy)]
-pub(super) struct Rep(pub(super) u64);
-
-/// Types by their number in the file.
-mod kind {
-    pub(super) const BOOL: u8 = 1;
-    pub(super) const INT: u8 = 3;
-    pub(super) const UINT: u8 = 4;
-    pub(super) const INT64: u8 = 5;
-    pub(super) const UINT64: u8 = 6;
-    pub(super) const FLOAT: u8 = 8;
-    pub(super) const DOUBLE: u8 = 9;
-    pub(super) const STRING: u8 = 10;
-    pub(super) const TOKEN: u8 = 11;
-    pub(super) const ASSET_PATH: u8 = 12;
-    pub(super) const MATRIX4D: u8 = 15;
-    pub(super) const QUATD: u8 = 16;
-    pub(super) const QUATF: u8 = 17;
-    pub(super) const VEC2F: u8 = 20;
-    pub(super) const VEC3D: u8 = 23;
-    pub(super) const VEC3F: u8 = 24;
-    pub(super) const TOKEN_LIST_OP: u8 = 32;
-    pub(super) const STRING_LIST_OP: u8 = 33;
-    pub(super) const TOKEN_VECTOR: u8 = 41;
-    pub(super) const SPECIFIER: u8 = 42;
-    pub(super) const TIME_SAMPLES: u8 = 46;
-    pub(super) const DOUBLE_VECTOR: u8 = 48;
-    pub(super) const STRING_VECTOR: u8 = 50;
-    pub(super) const VALUE_BLOCK: u8 = 51;
-    pub(super) const PAYLOAD: u8 = 47;
-}
-
-impl Rep {
-    fn kind(self) -> u8 {
-        (self.0 >> 48).to_le_bytes()[0]
-    }
-
-    fn is_array(self) -> bool {
-        self.0 >> 63 & 1 == 1
-    }
-
-    fn is_inlined(self) -> bool {
-        self.0 >> 62 & 1 == 1
-    }
-
-    fn is_compressed(self) -> bool {
-        self.0 >> 61 & 1 == 1
-    }
-
-    fn payload(self) -> u64 {
-        self.0 & ((1 << 48) - 1)
-    }
-
-    fn inline(self) -> [u8; 4] {
-        let [a, b, c, d, ..] = self.0.to_le_bytes();
-        [a, b, c, d]
-    }
-}
-
-/// A place in the file, from which numbers are read one after the other.
-pub(super) struct Reader<'t> {
-    tables: &'t Tables,
-    at: u64,
-}
-
-impl<'t> Reader<'t> {
-    pub(super) fn new(tables: &'t Tables, at: u64) -> Self {
-        Self { tables, at }
-    }
-
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
-        let bytes = self.tables.source.array(self.at)?;
-        self.at += N as u64;
-        Ok(bytes)
-    }
-
-    fn long(&mut self) -> Result<u64, Fault> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn index(&mut self) -> Result<u32, Fault> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn double(&mut self) -> Result<f64, Fault> {
-        self.array().map(f64::from_le_bytes)
-    }
-
-    /// Elements of a size, as many as a number before them says.
-    fn elements<const N: usize>(&mut self) -> Result<Vec<[u8; N]>, Fault> {
-        let count = self.long()?;
-        self.some::<N>(count)
-    }
-
-    fn some<const N: usize>(&mut self, count: u64) -> Result<Vec<[u8; N]>, Fault> {
-        let size = count.checked_mul(N as u64).ok_or_else(|| Fault::new("refers to bytes beyond its end"))?;
-        let bytes = self.tables.source.read(self.at, size)?;
-        self.at += size;
-        Ok(bytes.as_chunks::<N>().0.to_vec())
-    }
-
-    fn string(&mut self) -> Result<String, Fault> {
-        let index = self.index()?;
-        self.tables.string(index).map(ToOwned::to_owned)
-    }
-
-    pub(super) fn selections(&mut self) -> Result<Vec<(String, String)>, Fault> {
-        let count = self.long()?;
-        let count = bounded(&self.tables.source, count, 8)?;
-        (0..count).map(|_| Ok((self.string()?, self.string()?))).collect()
-    }
-
-    fn retiming(&mut self) -> Result<Retiming, Fault> {
-        Ok(Retiming { offset: self.double()?, scale: self.double()? })
-    }
-
-    pub(super) fn retimings(&mut self) -> Result<Vec<Retiming>, Fault> {
-        let count = self.long()?;
-        let count = bounded(&self.tables.source, count, 16)?;
-        (0..count).map(|_| self.retiming()).collect()
-    }
-
-    /// A list of edits, by a function that reads one list.
-    fn list_op<T>(&mut self, read: impl Fn(&mut Self) -> Result<Vec<T>, Fault>) -> Result<ListOp<T>, Fault> {
-        let [flags] = self.array()?;
-        let mut list = |bit: u8| if flags >> bit & 1 == 1 { read(self) } else { Ok(Vec::new()) };
-        // In this order in the file; what was `added` in old files stands before what is appended.
-        let [explicit, mut added, prepended, mut appended, deleted] =
-            [list(1)?, list(2)?, list(5)?, list(6)?, list(3)?];
-        added.append(&mut appended);
-        Ok(ListOp { explicit: (flags & 1 == 1).then_some(explicit), prepended, appended: added, deleted })
-    }
-
-    fn arcs(&mut self, has_data: bool) -> Result<Vec<ArcTarget>, Fault> {
-        let count = self.long()?;
-        let count = bounded(&self.tables.source, count, 8)?;
-        (0..count).map(|_| self.arc(has_data)).collect()
-    }
-
-    /// A reference (`has_data`) or a payload.
-    fn arc(&mut self, has_data: bool) -> Result<ArcTarget, Fault> {
-        let asset = self.string()?;
-        let prim = self.index()?;
-        let prim = self.tables.path(prim)?;
-        let retiming = if has_data || self.tables.version >= 8 { self.retiming()? } else { Retiming::default() };
-        if has_data {
-            self.skip_dictionary()?;
-        }
-        Ok(ArcTarget { asset, prim, retiming })
-    }
-
-    /// Custom data of a reference.
-    fn skip_dictionary(&mut self) -> Result<(), Fault> {
-        for _ in 0..self.long()? {
-            self.index()?;
-            // A value: the distance to its representation, which lies behind what it refers to.
-            let distance = self.array().map(i64::from_le_bytes)?;
-            let at = (self.at - 8).checked_add_signed(distance).filter(|at| *at >= self.at);
-            self.at = at.ok_or_else(|| Fault::new("has a dictionary that is broken"))?;
-            self.long()?;
-        }
-        Ok(())
-    }
-
-    pub(super) fn references(&mut self) -> Result<ListOp<ArcTarget>, Fault> {
-        self.list_op(|reader| reader.arcs(true))
-    }
-
-    /// The paths of a list that were not deleted.
-    pub(super) fn paths(&mut self) -> Result<Vec<String>, Fault> {
-        let tables = self.tables;
-        let op = self.list_op(|reader| reader.elements::<4>())?;
-        let items = [op.explicit.unwrap_or_default(), op.prepended, op.appended].concat();
-        tables.texts(items, |index| tables.path(index))
-    }
-
-    /// A list of payloads, or in old files one payload.
-    pub(super) fn payloads(&mut self, rep: Rep) -> Result<ListOp<ArcTarget>, Fault> {
-        if rep.kind() == kind::PAYLOAD {
-            let explicit = Some(vec![self.arc(false)?]);
-            return Ok(ListOp { explicit, ..ListOp::default() });
-        }
-        self.list_op(|reader| reader.arcs(false))
-    }
-
-    /// Time codes, and where the values are.
-    fn samples(&mut self) -> Result<Vec<(f64, Slot)>, Fault> {
+impl Tables {
+    /// Time samples of a field: time codes, and where the values are.
+    pub(super) fn samples(&self, rep: Rep) -> Result<Vec<(f64, Slot)>, Fault> {
         let broken = || Fault::new("has time samples that are broken");
-        let start = self.at;
-        let distance = self.array().map(i64::from_le_bytes)?;
-        self.at = start.checked_add_signed(distance).ok_or_else(broken)?;
-        let times = Rep(self.long()?);
-        let start = self.at;
-        let Value::Numbers(times) = self.tables.value(times)? else { return Err(broken()) };
-        let distance = self.array().map(i64::from_le_bytes)?;
-        self.at = start.checked_add_signed(distance).ok_or_else(broken)?;
-        let values = self.elements::<8>()?;
+        if rep.kind() != kind::TIME_SAMPLES || rep.is_inlined() {
+            return Err(broken());
+        }
+        let mut reader = self.reader(rep);
+        reader.jump()?;
+        let times = Rep(reader.long()?);
+        let Value::Numbers(times) = self.value(times)? else { return Err(broken()) };
+        reader.jump()?;
+        let values = reader.elements::<8>()?;
         if values.len() != times.len() || !times.is_sorted_by(|a, b| a < b) {
             return Err(broken());
         }
         let slots = values.into_iter().map(|rep| Slot::Binary(u64::from_le_bytes(rep)));
         Ok(times.into_iter().zip(slots).collect())
-    }
-}
-
-impl Tables {
-    /// Time samples of a field.
-    pub(super) fn samples(&self, rep: Rep) -> Result<Vec<(f64, Slot)>, Fault> {
-        if rep.kind() != kind::TIME_SAMPLES || rep.is_inlined() {
-            return Err(Fault::new("has time samples that are broken"));
-        }
-        Reader::new(self, rep.payload()).samples()
     }
 
     /// Where the value of a representation is read.
@@ -283,18 +86,6 @@ impl Tables {
 
     fn strings_at(&self, indices: Vec<[u8; 4]>) -> Result<Vec<String>, Fault> {
         self.texts(indices, |index| self.string(index).map(ToOwned::to_owned))
-    }
-
-    /// Texts by their indices; each may be long, and named often.
-    fn texts(&self, indices: Vec<[u8; 4]>, text: impl Fn(u32) -> Result<String, Fault>) -> Result<Vec<String>, Fault> {
-        let mut num_bytes = 0;
-        let text = |index: [u8; 4]| {
-            let text = text(u32::from_le_bytes(index))?;
-            num_bytes += (text.len() + size_of::<String>()) as u64;
-            bounded(&self.source, num_bytes, 1)?;
-            Ok(text)
-        };
-        indices.into_iter().map(text).collect()
     }
 
     fn array_value(&self, rep: Rep) -> Result<Value, Fault> {
@@ -356,13 +147,6 @@ impl Tables {
             Some(table) => usize::try_from(value).ok().and_then(|at| table.get(at)).copied().ok_or_else(broken),
         };
         Ok(Value::Numbers(values.into_iter().map(number).collect::<Result<_, _>>()?))
-    }
-}
-
-impl Reader<'_> {
-    fn block(&mut self) -> Result<Vec<u8>, Fault> {
-        let length = self.long()?;
-        self.tables.source.read(self.at, length)
     }
 }
 

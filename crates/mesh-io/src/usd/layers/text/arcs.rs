@@ -15,7 +15,8 @@ pub(super) fn targets(lexer: &mut Lexer<'_>) -> Result<Vec<ArcTarget>, Fault> {
         targets.extend(target(lexer)?);
         return Ok(targets);
     }
-    while !lexer.take(b']') {
+    let start = lexer.end();
+    while !lexer.take_end(b']', start)? {
         targets.extend(target(lexer)?);
         lexer.take(b',');
     }
@@ -38,9 +39,9 @@ fn target(lexer: &mut Lexer<'_>) -> Result<Option<ArcTarget>, Fault> {
         _ => return Err(lexer.fault("a layer or a prim is needed here")),
     }
     if lexer.take(b'(') {
-        loop {
+        let start = lexer.end();
+        while !lexer.take_end(b')', start)? {
             match lexer.next()? {
-                Token::Sign(b')') => break,
                 Token::Word(name @ ("offset" | "scale")) if lexer.take(b'=') => {
                     let Token::Word(word) = lexer.next()? else { return Err(lexer.fault("a number is needed here")) };
                     let number = word.parse().map_err(|_| lexer.fault("a number is needed here"))?;
@@ -48,7 +49,6 @@ fn target(lexer: &mut Lexer<'_>) -> Result<Option<ArcTarget>, Fault> {
                     *(if name == "offset" { &mut retiming.offset } else { &mut retiming.scale }) = number;
                 }
                 Token::Sign(b'=') => lexer.skip_value()?,
-                Token::End => return Err(lexer.fault("ends within metadata")),
                 _ => {}
             }
         }
@@ -71,7 +71,8 @@ pub(super) fn edit(list: &mut ListOp<ArcTarget>, edit: Option<&str>, targets: Ve
 pub(super) fn selections(lexer: &mut Lexer<'_>) -> Result<BTreeMap<String, String>, Fault> {
     let mut selections = BTreeMap::new();
     lexer.expect(b'{')?;
-    while !lexer.take(b'}') {
+    let start = lexer.end();
+    while !lexer.take_end(b'}', start)? {
         let mut set = String::new();
         loop {
             match lexer.next()? {

@@ -52,13 +52,13 @@ impl<'b> Lexer<'b> {
         self.bytes.get(start..self.at).unwrap_or_default()
     }
 
-    /// Counted from 1.
-    pub(super) fn line(&self) -> usize {
-        1 + self.bytes[..self.at.min(self.bytes.len())].iter().filter(|&&byte| byte == b'\n').count()
+    /// The line of an offset, counted from 1.
+    fn line(&self, offset: usize) -> usize {
+        1 + self.bytes[..offset.min(self.bytes.len())].iter().filter(|&&byte| byte == b'\n').count()
     }
 
     pub(super) fn fault(&self, reason: impl Into<String>) -> Fault {
-        Fault { line: Some(self.line()), reason: reason.into() }
+        Fault { line: Some(self.line(self.at)), reason: reason.into() }
     }
 
     fn skip_space(&mut self) {
@@ -83,6 +83,17 @@ impl<'b> Lexer<'b> {
         let is_there = self.bytes.get(self.at) == Some(&sign);
         self.at += usize::from(is_there);
         is_there
+    }
+
+    /// Takes the bracket that closes what was opened before an offset, if it is the next token.
+    pub(super) fn take_end(&mut self, sign: u8, opened: usize) -> Result<bool, Fault> {
+        let is_there = self.take(sign);
+        if is_there || self.at < self.bytes.len() { Ok(is_there) } else { Err(self.unclosed(sign, opened)) }
+    }
+
+    fn unclosed(&self, sign: u8, opened: usize) -> Fault {
+        let line = self.line(opened);
+        self.fault(format!("ends, and what is opened in line {line} is not closed: `{}` is missing", char::from(sign)))
     }
 
     pub(super) fn expect(&mut self, sign: u8) -> Result<(), Fault> {
@@ -159,7 +170,7 @@ impl<'b> Lexer<'b> {
 
     /// Skips a value: a token, or all up to the bracket that closes it.
     pub(super) fn skip_value(&mut self) -> Result<(), Fault> {
-        let mut open = Vec::new();
+        let (start, mut open) = (self.offset(), Vec::new());
         loop {
             match self.next()? {
                 Token::Sign(b'(') => open.push(b')'),
@@ -170,7 +181,10 @@ impl<'b> Lexer<'b> {
                     Some(needed) => return Err(self.fault(format!("`{}` is needed here", char::from(needed)))),
                     None => return Err(self.fault("a value is needed here")),
                 },
-                Token::End => return Err(self.fault("ends within a value")),
+                Token::End => match open.first() {
+                    Some(needed) => return Err(self.unclosed(*needed, start)),
+                    None => return Err(self.fault("ends where a value is needed")),
+                },
                 _ => {}
             }
             if open.is_empty() {

@@ -53,7 +53,12 @@ impl TextLayer {
 
     pub(super) fn value(&self, slot: &Slot, type_name: &str) -> Result<Value, Fault> {
         let Slot::Text { start, length } = *slot else { return Ok(Value::Other) };
-        values::decode(&self.source.read(start, length)?, type_name)
+        values::decode(&self.source.read(start, length)?, type_name).map_err(|fault| {
+            // Its line is that within the value.
+            let before = self.source.read(0, start).unwrap_or_default();
+            let num_lines = before.iter().filter(|&&byte| byte == b'\n').count();
+            Fault { line: fault.line.map(|line| num_lines + line), ..fault }
+        })
     }
 
     pub(super) fn budget(&self) -> u64 {

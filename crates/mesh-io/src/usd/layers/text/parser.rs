@@ -107,7 +107,8 @@ impl<'b> Parser<'b> {
             self.metadata(prim)?;
         }
         self.lexer.expect(b'{')?;
-        while !self.lexer.take(b'}') {
+        let start = self.lexer.end();
+        while !self.lexer.take_end(b'}', start)? {
             self.item(prim, depth + 1)?;
         }
         Ok(())
@@ -117,7 +118,8 @@ impl<'b> Parser<'b> {
         let set = self.quoted()?;
         self.lexer.expect(b'=')?;
         self.lexer.expect(b'{')?;
-        while !self.lexer.take(b'}') {
+        let start = self.lexer.end();
+        while !self.lexer.take_end(b'}', start)? {
             let variant = self.quoted()?;
             let index = self.add(prim, &format!("{{{set}={variant}}}"), depth)?;
             self.body(index, depth)?;
@@ -127,7 +129,8 @@ impl<'b> Parser<'b> {
 
     /// Metadata in round brackets, of which the first is taken already.
     fn metadata(&mut self, prim: u32) -> Result<(), Fault> {
-        while !self.lexer.take(b')') {
+        let start = self.lexer.end();
+        while !self.lexer.take_end(b')', start)? {
             match self.lexer.next()? {
                 Token::Quoted(_) | Token::Sign(b';' | b',') => {}
                 Token::Word(word) => self.metadatum(prim, word)?,
@@ -213,15 +216,15 @@ impl<'b> Parser<'b> {
     }
 
     fn property_metadata(&mut self, property: &mut Property) -> Result<(), Fault> {
-        loop {
+        let start = self.lexer.end();
+        while !self.lexer.take_end(b')', start)? {
             match self.lexer.next()? {
-                Token::Sign(b')') => return Ok(()),
                 Token::Word("interpolation") if self.lexer.take(b'=') => property.interpolation = Some(self.quoted()?),
                 Token::Sign(b'=') => self.lexer.skip_value()?,
-                Token::End => return Err(self.lexer.fault("ends within metadata")),
                 _ => {}
             }
         }
+        Ok(())
     }
 
     fn slot(&mut self) -> Result<Slot, Fault> {
@@ -234,7 +237,8 @@ impl<'b> Parser<'b> {
     fn samples(&mut self) -> Result<Vec<(f64, Slot)>, Fault> {
         let mut samples: Vec<(f64, Slot)> = Vec::new();
         self.lexer.expect(b'{')?;
-        while !self.lexer.take(b'}') {
+        let start = self.lexer.end();
+        while !self.lexer.take_end(b'}', start)? {
             let word = self.lexer.until(b':')?;
             let time = word.parse().ok().filter(|time: &f64| time.is_finite());
             let time = time.ok_or_else(|| self.lexer.fault(format!("`{word}` is no time code")))?;
