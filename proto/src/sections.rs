@@ -31,6 +31,9 @@ pub mod id {
     pub const OPTIONS: u32 = 10;
     /// Indices of vertices that belong to bodies, `u32`: the host alone moves them, and cloth belongs outside.
     pub const BODY: u32 = 11;
+    /// What an observer is called: UTF-8, at most [`MAX_NAME_BYTES`](crate::limits::MAX_NAME_BYTES) bytes without
+    /// control characters.
+    pub const NAME: u32 = 12;
 }
 
 const ENTRY_BYTES: usize = 24;

@@ -28,7 +28,7 @@ use super::{
     metrics::MetricsServer,
     options::ServeOptions,
     pool::{Job, Pool, PoolOptions},
-    requests::{ControlServer, RegistrationJob, Registry},
+    requests::{ControlServer, MeshRequest, Registry},
     session::Session,
     throttle::Throttle,
 };
@@ -100,21 +100,21 @@ fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
 #[derive(Debug)]
 enum Task {
     Frame(Arc<Session>),
-    Register(Box<RegistrationJob>),
+    Request(Box<MeshRequest>),
 }
 
 impl Job for Task {
     fn is_large(&self) -> bool {
         match self {
             Self::Frame(session) => session.is_large(),
-            Self::Register(job) => job.is_large(),
+            Self::Request(job) => job.is_large(),
         }
     }
 
     fn run(self) -> Option<Self> {
         match self {
             Self::Frame(session) => session.serve().then_some(Self::Frame(session)),
-            Self::Register(job) => {
+            Self::Request(job) => {
                 job.run();
                 None
             }
@@ -199,7 +199,7 @@ impl Daemon {
     /// Answers requests, queues sessions that have a new state, drops sessions without a host. The events that announce
     /// them have been drained before, so that everything that comes from here on wakes the daemon again.
     fn hand_out_work(&self) {
-        self.control.answer(|job| self.pool.push(Task::Register(Box::new(job))));
+        self.control.answer(|job| self.pool.push(Task::Request(Box::new(job))));
         self.registry.sessions().retain(|session| {
             if session.wake() {
                 self.pool.push(Task::Frame(Arc::clone(session)));

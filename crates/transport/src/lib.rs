@@ -9,10 +9,13 @@
 //! | [`search`] | where else a daemon of this user serves |
 //! | [`lock`] | one daemon at a time in a domain; wipes a domain that no process uses |
 //! | [`services`] | creates and opens the iceoryx2 services |
+//! | [`views`] | the services of those who watch a session |
 //! | [`memory`] | free space, committed pages, unfinished segments |
 //! | [`housekeeping`] | removes the resources of crashed peers |
-//! | [`process_id`] | process ids in the names of files, to find resources of crashed peers |
+//! | [`clock`] | the clock that all processes share |
+//! | [`process_id`] | process ids in the names of files, to find resources of crashed peers; names of processes |
 
+pub mod clock;
 pub mod domain;
 pub mod folders;
 pub mod housekeeping;
@@ -22,5 +25,6 @@ pub mod node;
 pub mod process_id;
 pub mod search;
 pub mod services;
+pub mod views;
 
 pub use domain::{Domain, DomainError};

@@ -45,7 +45,7 @@ pub type Event = port_factory::event::PortFactory<Ipc>;
 
 const MAX_NODES: usize = limits::MAX_CLIENTS + 8;
 
-fn service_name(name: &str) -> ServiceName {
+pub(crate) fn service_name(name: &str) -> ServiceName {
     // Names are built in `names` from short literals and numbers.
     ServiceName::new(name).unwrap_or_else(|error| panic!("service name {name}: {error:?}"))
 }

@@ -115,6 +115,16 @@ impl Registry {
         Ok(())
     }
 
+    /// The mesh of a session for one that wants to watch it: a payload, and its number of sections.
+    pub(crate) fn observe(
+        &self,
+        id: u64,
+        asked_by: Option<ProcessId>,
+        name: Option<String>,
+    ) -> Result<(Vec<u8>, u32), Refusal> {
+        self.find(id)?.observe(&self.node, self.instance, asked_by, name)
+    }
+
     /// Opens a session. Gives back its id, and its cloth.
     pub(crate) fn register(
         &self,

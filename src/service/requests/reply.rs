@@ -6,10 +6,11 @@ use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude:
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, SessionOptions,
     Status,
-    control::{BODY, Hello},
+    control::{BODY, Hello, OBSERVE},
+    limits::MAX_NAME_BYTES,
     memory::{PayloadLayout, reply_sample_bytes},
     names,
-    sections::Sections,
+    sections::{Sections, id},
 };
 use untangled_transport::{memory, process_id::ProcessId, services::Ipc};
 
@@ -31,7 +32,9 @@ struct Answer {
     session: u64,
     num_body_vertices: u64,
     num_places: u64,
-    text: String,
+    /// Of the payload, where it is no text.
+    num_sections: u64,
+    payload: Vec<u8>,
 }
 
 /// Sends replies, from any thread.
@@ -51,11 +54,6 @@ impl Replier {
         self.reply(request, header, layout, self.execute(header, request, layout));
     }
 
-    /// Opens the session that a request asks for, and replies.
-    pub(crate) fn register(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout) {
-        self.reply(request, header, layout, self.open_session(header, request, layout));
-    }
-
     fn execute(&self, header: &RequestHeader, request: &Request, layout: PayloadLayout) -> Result<Answer, Refusal> {
         if header.protocol_version != PROTOCOL_VERSION {
             let theirs = header.protocol_version;
@@ -70,7 +68,7 @@ impl Replier {
             Refusal::new(Status::BadRequest, format_args!("there is no request of kind {}", header.kind))
         })?;
         let sections = sections(header, request.payload())?;
-        let plain = |text: String| Ok(Answer { text, ..Answer::default() });
+        let plain = |text: String| Ok(Answer { payload: text.into_bytes(), ..Answer::default() });
         match kind {
             RequestKind::Hello => plain(json(&Hello {
                 protocol_version: PROTOCOL_VERSION,
@@ -80,7 +78,7 @@ impl Replier {
                 features: features(),
             })),
             RequestKind::Status => plain(json(&status::report(&self.registry))),
-            RequestKind::Register => self.open_session(header, request, layout),
+            RequestKind::Register => self.open_session(&sections, request, layout),
             RequestKind::UpdateSettings => {
                 let settings = registration::settings(&sections, self.registry.options())?;
                 self.registry.find(header.session)?.set_settings(settings)?;
@@ -90,20 +88,26 @@ impl Replier {
                 self.registry.close(header.session)?;
                 plain(String::new())
             }
+            RequestKind::Observe => {
+                let asked_by = ProcessId::of(request.origin().value());
+                let (payload, num_sections) =
+                    self.registry.observe(header.session, asked_by, observer_name(&sections)?)?;
+                Ok(Answer { payload, num_sections: num_sections.into(), ..Answer::default() })
+            }
         }
     }
 
     fn open_session(
         &self,
-        header: &RequestHeader,
+        sections: &Sections<'_>,
         request: &Request,
         layout: PayloadLayout,
     ) -> Result<Answer, Refusal> {
         let client = ProcessId::of(request.origin().value());
-        let (session, cloth) = self.registry.register(&sections(header, request.payload())?, layout, client)?;
+        let (session, cloth) = self.registry.register(sections, layout, client)?;
         let num_body_vertices = cloth.num_body_vertices() as u64;
         let num_places = cloth.weld().map_or(0, |_| cloth.mesh().num_vertices() as u64);
-        Ok(Answer { session, num_body_vertices, num_places, text: String::new() })
+        Ok(Answer { session, num_body_vertices, num_places, ..Answer::default() })
     }
 
     fn reply(&self, request: &Request, header: &RequestHeader, layout: PayloadLayout, answer: Result<Answer, Refusal>) {
@@ -133,12 +137,13 @@ impl Replier {
     ) -> Result<(), ServeError> {
         let (status, answer) = match answer {
             Ok(answer) => (Status::Ok, answer),
-            Err(refusal) => (refusal.status, Answer { text: refusal.message, ..Answer::default() }),
+            Err(refusal) => (refusal.status, Answer { payload: refusal.message.into_bytes(), ..Answer::default() }),
         };
-        let Answer { session, num_body_vertices, num_places, text } = answer;
-        check_room(text.len(), layout)?;
-        let mut reply =
-            request.loan_slice_uninit(text.len()).map_err(|error| ServeError::transport("loaning a reply", &error))?;
+        let Answer { session, num_body_vertices, num_places, num_sections, payload } = answer;
+        check_room(payload.len(), layout)?;
+        let mut reply = request
+            .loan_slice_uninit(payload.len())
+            .map_err(|error| ServeError::transport("loaning a reply", &error))?;
         *reply.user_header_mut() = ReplyHeader {
             protocol_version: PROTOCOL_VERSION,
             status: status.code(),
@@ -147,9 +152,9 @@ impl Replier {
             token,
             num_body_vertices,
             num_places,
-            ..ReplyHeader::default()
+            num_sections,
         };
-        let reply = reply.write_from_slice(text.as_bytes());
+        let reply = reply.write_from_slice(&payload);
         reply.send().map_err(|error| ServeError::transport("sending a reply", &error))?;
         // An error means that the client is gone.
         let _ = self.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_REPLY));
@@ -175,7 +180,24 @@ fn check_room(length: usize, layout: PayloadLayout) -> Result<(), ServeError> {
 
 /// What this daemon knows beyond what protocol 1 began with.
 fn features() -> Vec<String> {
-    SessionOptions::NAMES.iter().map(|(name, _)| *name).chain([BODY]).map(str::to_owned).collect()
+    SessionOptions::NAMES.iter().map(|(name, _)| *name).chain([BODY, OBSERVE]).map(str::to_owned).collect()
+}
+
+/// What an observer is called.
+fn observer_name(sections: &Sections<'_>) -> Result<Option<String>, Refusal> {
+    let Some(bytes) = sections.bytes(id::NAME) else { return Ok(None) };
+    let refused = |words: std::fmt::Arguments<'_>| Err(Refusal::new(Status::BadRequest, words));
+    if bytes.len() > MAX_NAME_BYTES {
+        return refused(format_args!(
+            "section 12 (name) has {} bytes; at most {MAX_NAME_BYTES} are allowed",
+            bytes.len()
+        ));
+    }
+    // Copied first: the peer may go on writing.
+    match String::from_utf8(bytes.to_vec()) {
+        Ok(name) if !name.contains(char::is_control) => Ok(Some(name)),
+        _ => refused(format_args!("section 12 (name) must be UTF-8 without control characters")),
+    }
 }
 
 fn json(value: &impl serde::Serialize) -> String {

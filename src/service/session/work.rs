@@ -21,9 +21,9 @@ use super::{
     clock::StageClock,
     cloth::Cloth,
     ingest::{self, StateFault},
-    paths::PathsPort,
     ports::{CorrectionPort, StatePort},
     publish::{self, Touched, TouchedMemory, Values},
+    watched::{PathsPort, View, ViewPort},
 };
 use crate::service::{
     repair::{RepairDesk, RepairWorkers},
@@ -38,6 +38,7 @@ const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FA
 pub(crate) struct Work {
     corrections: CorrectionPort,
     paths: PathsPort,
+    views: ViewPort,
     repairs: Option<SessionRepairs>,
     untangler: Untangler,
     frame: Frame,
@@ -52,21 +53,21 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// The work of the session with this id; `corrections`, `paths` and `repairs` are its ports.
+    /// The work of the session with this id; `ports` are its ports.
     pub(crate) fn new(
         session: u64,
         correction: CorrectionKind,
         cloth: Arc<Cloth>,
         untangler: Untangler,
-        corrections: CorrectionPort,
-        paths: PathsPort,
-        repairs: Option<SessionRepairs>,
+        ports: Ports,
     ) -> Self {
+        let Ports { corrections, paths, views, repairs } = ports;
         let (frame, copied, touched) = (Frame::default(), Vec::new(), TouchedMemory::default());
         let (num_skipped_frames, last_frame) = (0, None);
         Self {
             corrections,
             paths,
+            views,
             repairs,
             untangler,
             frame,
@@ -111,7 +112,9 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> CorrectionHeader {
         self.count_skipped(state.frame);
-        let Self { corrections: port, paths, repairs, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Self {
+            corrections: port, paths, views, repairs, untangler, frame, touched, cloth, correction: kind, ..
+        } = self;
         let checked = read.and_then(|()| ingest::check_header(state, cloth.num_vertices()));
         let settings = untangler.settings().clone();
         let limits = FrameLimits {
@@ -144,6 +147,10 @@ impl Work {
                 tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
             }
         }
+        // After the correction, so that observers cost no latency.
+        let found = outcome.as_ref().ok().zip(values.as_ref());
+        let (frame, seen) = (&*frame, checked.is_ok().then_some(&*frame));
+        views.publish(&View { correction: &header, cloth, frame: seen, found });
         let is_broken = matches!(outcome, Err(StateFault { status: Status::Internal, .. }));
         // After the correction, which waits for no repair.
         if let Some(repairs) = repairs {
@@ -170,6 +177,15 @@ impl Work {
             self.untangler = fresh;
         }
     }
+}
+
+/// The ports that the work of a session sends to.
+#[derive(Debug)]
+pub(crate) struct Ports {
+    pub(crate) corrections: CorrectionPort,
+    pub(crate) paths: PathsPort,
+    pub(crate) views: ViewPort,
+    pub(crate) repairs: Option<SessionRepairs>,
 }
 
 /// Where the repairs of a session are asked for, and who works on them.
