@@ -9,8 +9,8 @@ use super::PATIENCE;
 /// What observers of tests are called.
 pub const OBSERVER_NAME: &str = "an observer of a test";
 
-/// Watches the first session of a domain without an end. Says `at opening`, `at opened`, and of each frame `at seen` or,
-/// where it has missed some before, `at missed`.
+/// Watches the first session of a domain without an end. Says `at opening`, `at opened`, and of each frame `at seen`
+/// or, where it has missed some before, `at missed`.
 pub(super) fn observer_main(domain: &str) {
     let name = Some(OBSERVER_NAME.to_owned());
     let options = ObserverOptions { domain: Some(domain.to_owned()), timeout: PATIENCE, name };
