@@ -18,13 +18,16 @@ pub enum RequestKind {
     Close = 4,
     /// How is it going? The reply is a JSON document, schema `untangled.status/1`.
     Status = 5,
+    /// Watch a session. The reply's payload is a part of its mesh, see [`ReplyHeader::num_bytes`]. The session's views
+    /// are published from then on while somebody subscribes.
+    Observe = 6,
 }
 
 impl RequestKind {
     /// The kind of a value on the wire, if it is one.
     #[must_use]
     pub fn from_code(code: u32) -> Option<Self> {
-        [Self::Hello, Self::Register, Self::UpdateSettings, Self::Close, Self::Status]
+        [Self::Hello, Self::Register, Self::UpdateSettings, Self::Close, Self::Status, Self::Observe]
             .into_iter()
             .find(|kind| *kind as u32 == code)
     }
@@ -39,7 +42,7 @@ pub struct RequestHeader {
     pub protocol_version: u32,
     /// [`RequestKind`].
     pub kind: u32,
-    /// The session that is meant, for update and close.
+    /// The session that is meant, for update, close and observe.
     pub session: u64,
     /// Entries of the section table.
     pub num_sections: u32,
@@ -52,7 +55,8 @@ pub struct RequestHeader {
     pub reserved: [u64; 3],
 }
 
-/// Header of a reply. The payload is UTF-8: a JSON document, or the reason for a refusal in words.
+/// Header of a reply. The payload is UTF-8, a JSON document or the reason for a refusal in words; only that of a mesh
+/// ([`RequestKind::Observe`]) is bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend)]
 #[repr(C)]
 #[type_name("untangled.control.ReplyHeader")]
@@ -73,13 +77,15 @@ pub struct ReplyHeader {
     /// Vertices of the session that was registered with [`SessionOptions::WELD`], those in one place counted once. Zero
     /// without that option, and from a daemon that does not know it.
     pub num_places: u64,
-    /// Zero.
-    pub reserved: u64,
+    /// Bytes of the whole mesh of which the payload of the reply to [`RequestKind::Observe`] is a part; else zero.
+    pub num_bytes: u64,
 }
 
 /// The feature of a [`Hello`] that says that the daemon knows the section
 /// [`id::BODY`](crate::sections::id::BODY).
 pub const BODY: &str = "body";
+/// The feature of a [`Hello`] that says that the daemon knows [`RequestKind::Observe`].
+pub const OBSERVE: &str = "observe";
 
 /// What a daemon says of itself, as JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -92,7 +98,8 @@ pub struct Hello {
     pub iceoryx2_version: String,
     /// Its process.
     pub pid: u32,
-    /// Names of the [`SessionOptions`] that it knows, and [`BODY`]; none from a daemon that is older than they.
+    /// Names of the [`SessionOptions`] that it knows, [`BODY`] and [`OBSERVE`]; none from a daemon that is older than
+    /// they.
     #[serde(default)]
     pub features: Vec<String>,
 }

@@ -34,3 +34,13 @@ pub const PATHS_BORROWED: usize = CORRECTION_BORROWED;
 pub const REPAIR_BUFFER: usize = 1;
 /// Repairs that a host may hold at a time.
 pub const REPAIR_BORROWED: usize = 2;
+/// Observers of a session.
+pub const MAX_OBSERVERS: usize = 16;
+/// Views that wait for an observer: the newest only.
+pub const VIEW_BUFFER: usize = 1;
+/// Views that an observer may hold at a time.
+pub const VIEW_BORROWED: usize = 1;
+/// Longest name of an observer in bytes.
+pub const MAX_NAME_BYTES: usize = 64;
+/// Longest part of a mesh in a reply to an observer in bytes: replies of this length keep the daemon's port small.
+pub const MAX_PART_BYTES: usize = 1 << 16;

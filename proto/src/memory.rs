@@ -8,7 +8,10 @@ use crate::{
     control::{Precision, ReplyHeader, RequestHeader, SessionOptions},
     correction::{CorrectionHeader, VertexCorrection, sparse},
     limits::{CORRECTION_BORROWED, CORRECTION_BUFFER, REPAIR_BORROWED, REPAIR_BUFFER, STATE_BORROWED, STATE_BUFFER},
-    paths::PathsHeader,
+    observe::{
+        paths::PathsHeader,
+        view::{ENTRY_BYTES, POSITION_BYTES, ViewHeader},
+    },
     repair::RepairHeader,
     state::{PositionF32, PositionF64, StateHeader},
 };
@@ -157,4 +160,19 @@ pub fn reply_sample_bytes(length: usize, layout: PayloadLayout) -> u64 {
 #[must_use]
 pub fn paths_sample_bytes(length: usize, layout: PayloadLayout) -> u64 {
     Sample::new::<u8, PathsHeader>(SAMPLE_HEADER).bytes(length, layout)
+}
+
+/// Room for paths in the first samples of views. Longer ones make the samples grow.
+const VIEW_PATHS_BYTES: usize = 1 << 16;
+
+/// Length of the first samples of a session's views: all positions, an entry for each vertex, and some paths.
+#[must_use]
+pub fn view_bytes(num_vertices: usize) -> usize {
+    num_vertices.saturating_mul(POSITION_BYTES + ENTRY_BYTES).saturating_add(VIEW_PATHS_BYTES)
+}
+
+/// Bytes of one view in a session's segment, with room for `length` bytes of payload. Views are packed in every layout.
+#[must_use]
+pub fn view_sample_bytes(length: usize) -> u64 {
+    Sample::new::<u8, ViewHeader>(SAMPLE_HEADER).bytes(length, PayloadLayout::Packed)
 }

@@ -20,6 +20,8 @@ pub const EVENT_CORRECTION: usize = 4;
 pub const EVENT_GONE: usize = 5;
 /// Event: a repair was sent.
 pub const EVENT_REPAIR: usize = 6;
+/// Event: a view was sent.
+pub const EVENT_VIEW: usize = 7;
 /// The largest event id.
 pub const EVENT_MAX: usize = 7;
 
@@ -38,6 +40,8 @@ pub enum SessionService {
     Paths,
     /// Repairs, daemon to host; only for sessions that asked for them.
     Repair,
+    /// Views, daemon to each observer, and the event service that wakes them; from the first request to observe on.
+    View,
 }
 
 /// The name of a session's service.
@@ -50,6 +54,7 @@ pub fn session(instance: u64, session: u64, service: SessionService) -> String {
         SessionService::Event => "event",
         SessionService::Paths => "paths",
         SessionService::Repair => "repair",
+        SessionService::View => "view",
     };
     format!("untangled/{instance:016x}/{session}/{last}")
 }

@@ -31,6 +31,11 @@ pub mod id {
     pub const OPTIONS: u32 = 10;
     /// Indices of vertices that belong to bodies, `u32`: the host alone moves them, and cloth belongs outside.
     pub const BODY: u32 = 11;
+    /// What an observer is called: UTF-8, at most [`MAX_NAME_BYTES`](crate::limits::MAX_NAME_BYTES) bytes without
+    /// control characters.
+    pub const NAME: u32 = 12;
+    /// Where the part of a mesh begins that an observer asks for, in bytes, one `u64`; 0 without it.
+    pub const FROM: u32 = 13;
 }
 
 const ENTRY_BYTES: usize = 24;

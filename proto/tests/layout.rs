@@ -8,6 +8,7 @@ use untangled_proto::{
     RequestHeader, RequestKind, SessionOptions, StateHeader, Status, VertexCorrection, VertexEntry, VertexLabel, flags,
     pair_type,
     paths::{PathPoint, PathRecord, PathsHeader},
+    view::ViewHeader,
 };
 
 macro_rules! pin {
@@ -26,7 +27,7 @@ fn headers_keep_layout_and_type_name() {
     });
     pin!(ReplyHeader, "untangled.control.ReplyHeader", size 64, align 8, {
         protocol_version @ 0, status @ 4, instance @ 8, session @ 16, token @ 24,
-        num_body_vertices @ 40, num_places @ 48, reserved @ 56,
+        num_body_vertices @ 40, num_places @ 48, num_bytes @ 56,
     });
     pin!(StateHeader, "untangled.v1.StateHeader", size 64, align 8, {
         frame @ 0, simulated_s @ 8, dt_s @ 16, num_vertices @ 24, flags @ 28, progress @ 32,
@@ -45,6 +46,10 @@ fn headers_keep_layout_and_type_name() {
         mean_displacement_m @ 80, max_displacement_m @ 88, min_edge_ratio @ 96, max_edge_ratio @ 104,
         min_area_ratio @ 112, num_iterations @ 120, waited_ns @ 128, repair_ns @ 136, num_replaced @ 144,
         num_inside_body @ 152, num_behind @ 160, reserved @ 168,
+    });
+    pin!(ViewHeader, "untangled.v1.ViewHeader", size 384, align 8, {
+        correction @ 0, num_frames @ 320, sent_ns @ 328, num_paths @ 336, num_points @ 340, num_entries @ 344,
+        num_positions @ 348, reserved @ 352,
     });
     pin!(PathsHeader, "untangled.v1.PathsHeader", size 64, align 8, {
         frame @ 0, num_paths @ 8, num_points @ 12, reserved @ 16,
@@ -98,10 +103,10 @@ fn params_and_paths_encode_little_endian() {
         closed: 5,
         first_point: 6,
         num_points: 7,
-        reserved: 0,
+        state: 8,
     };
     let words: Vec<u8> = record.to_bytes().chunks(4).map(|word| word[0]).collect();
-    assert_eq!(words, [1, 2, 3, 4, 5, 6, 7, 0]);
+    assert_eq!(words, [1, 2, 3, 4, 5, 6, 7, 8]);
     let point = PathPoint { position_m: [1.0, -2.0, 0.5], faces: [9, 8] }.to_bytes();
     assert_eq!(point[8..16], (-2.0f64).to_le_bytes());
     assert_eq!(point[24..], [9, 0, 0, 0, 8, 0, 0, 0]);
@@ -121,8 +126,9 @@ fn codes_keep_their_numbers() {
         RequestKind::UpdateSettings,
         RequestKind::Close,
         RequestKind::Status,
+        RequestKind::Observe,
     ];
-    assert_eq!(kinds.map(|kind| kind as u32), [1, 2, 3, 4, 5]);
+    assert_eq!(kinds.map(|kind| kind as u32), [1, 2, 3, 4, 5, 6]);
     assert_eq!([Precision::F32 as u32, Precision::F64 as u32], [0, 1]);
     let kinds = [
         CorrectionKind::Force,

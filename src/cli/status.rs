@@ -97,7 +97,22 @@ fn table(report: &Value) -> String {
         let cells: Vec<String> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         out.push_str(&cells.join("  "));
     }
+    for line in sessions.iter().filter_map(watched) {
+        out.push('\n');
+        out.push_str(&line);
+    }
     out
+}
+
+/// Who watches a session, if somebody does.
+fn watched(session: &Value) -> Option<String> {
+    let observers = session["observers"].as_array()?.iter();
+    let named = observers.map(|observer| match observer["name"].as_str().unwrap_or_default() {
+        "" => format!("process {}", observer["pid"]),
+        name => format!("{name} (process {})", observer["pid"]),
+    });
+    let named = named.collect::<Vec<_>>();
+    (!named.is_empty()).then(|| format!("session {} is watched by {}", session["session"], named.join(", ")))
 }
 
 /// Certified repairs of those that were sent; a dash for a session without repairs.

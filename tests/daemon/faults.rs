@@ -10,7 +10,7 @@ use untangled_testkit::{
 use crate::machine::busy;
 
 const SEED: u64 = 20;
-const PROGRAMS: Programs = Programs { daemon, client };
+pub(crate) const PROGRAMS: Programs = Programs { daemon, client };
 const DOMAIN_VARIABLE: &str = "FAULTS_TEST_DOMAIN";
 const ROLE_VARIABLE: &str = "FAULTS_TEST_ROLE";
 

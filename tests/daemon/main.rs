@@ -4,6 +4,7 @@
 mod faults;
 mod fuzz;
 mod machine;
+mod observers;
 mod operating;
 mod protocol_v1;
 mod refusals;

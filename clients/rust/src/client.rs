@@ -66,6 +66,11 @@ impl Client {
         &self.connection.domain
     }
 
+    /// The connection, which its sessions share.
+    pub(crate) fn connection(&self) -> &Arc<Connection> {
+        &self.connection
+    }
+
     /// What the daemon said of itself when this client connected.
     #[must_use]
     pub fn daemon(&self) -> &Hello {

@@ -30,12 +30,13 @@
 //!
 //! Modules, each using only those before it: `contacts` (which contacts have to be off); `error`, `registration`;
 //! `control` (the connection to a daemon, and requests); `session` (ports, registering again, loans, corrections,
-//! paths); `client`.
+//! paths); `client`; [`observe`] (sessions of others).
 
 mod client;
 mod contacts;
 pub mod control;
 mod error;
+pub mod observe;
 mod registration;
 mod session;
 

@@ -18,6 +18,21 @@ impl ProcessId {
         i32::try_from((id >> 64) & u128::from(u32::MAX)).ok().and_then(Pid::from_raw).map(Self)
     }
 
+    /// Its number.
+    #[must_use]
+    pub fn number(self) -> u32 {
+        self.0.as_raw_nonzero().get().unsigned_abs()
+    }
+
+    /// What the system calls its program, at most 15 bytes; nothing where it has ended, or lives in another namespace.
+    ///
+    /// Cost: some system calls.
+    #[must_use]
+    pub fn name(self) -> Option<String> {
+        let bytes = std::fs::read(format!("/proc/{}/comm", self.number())).ok()?;
+        Some(String::from_utf8_lossy(&bytes).trim_end().replace(char::is_control, "?"))
+    }
+
     /// Whether this process sees no such process: it has ended, or lives in another namespace.
     #[must_use]
     pub fn is_gone(self) -> bool {

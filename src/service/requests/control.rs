@@ -45,9 +45,9 @@ struct Inlet {
     _service: Requests,
 }
 
-/// A registration, for a worker: a mesh may be large.
+/// A request for a worker, since it carries a mesh or asks for one, which may be large.
 #[derive(Debug)]
-pub(crate) struct RegistrationJob {
+pub(crate) struct MeshRequest {
     request: Request,
     header: RequestHeader,
     layout: PayloadLayout,
@@ -67,14 +67,14 @@ impl ControlServer {
         Ok(Self { inlets, replier: Arc::new(Replier::new(notifier, registry)), _event: event })
     }
 
-    /// Answers all requests that have come, except for registrations, which are passed to `defer`.
-    pub(crate) fn answer(&self, mut defer: impl FnMut(RegistrationJob)) {
+    /// Answers all requests that have come, except for those about a mesh, which are passed to `defer`.
+    pub(crate) fn answer(&self, mut defer: impl FnMut(MeshRequest)) {
         for inlet in &self.inlets {
             self.answer_inlet(inlet, &mut defer);
         }
     }
 
-    fn answer_inlet(&self, inlet: &Inlet, defer: &mut impl FnMut(RegistrationJob)) {
+    fn answer_inlet(&self, inlet: &Inlet, defer: &mut impl FnMut(MeshRequest)) {
         loop {
             let request = match inlet.server.receive() {
                 Ok(Some(request)) => request,
@@ -90,8 +90,9 @@ impl ControlServer {
             // A copy: the peer may go on writing.
             let header = *request.user_header();
             let (replier, layout) = (&self.replier, inlet.layout);
-            if header.kind == RequestKind::Register as u32 && header.protocol_version == PROTOCOL_VERSION {
-                defer(RegistrationJob { request, header, layout, replier: Arc::clone(replier) });
+            let has_mesh = [RequestKind::Register, RequestKind::Observe].map(|kind| kind as u32).contains(&header.kind);
+            if has_mesh && header.protocol_version == PROTOCOL_VERSION {
+                defer(MeshRequest { request, header, layout, replier: Arc::clone(replier) });
             } else {
                 replier.answer(&request, &header, layout);
             }
@@ -99,15 +100,15 @@ impl ControlServer {
     }
 }
 
-impl RegistrationJob {
-    /// Whether reading it may take so long that small sessions must not wait for it.
+impl MeshRequest {
+    /// Whether it may take so long that small sessions must not wait for it.
     pub(crate) fn is_large(&self) -> bool {
         self.request.payload().len() > LARGE_BYTES
     }
 
     pub(crate) fn run(self) {
         let Self { request, header, layout, replier } = self;
-        replier.register(&request, &header, layout);
+        replier.answer(&request, &header, layout);
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `control` | receives requests; registrations are handed to workers |
+//! | `control` | receives requests; those about a mesh are handed to workers |
 //! | `reply` | answers a request and sends the reply |
 //! | `registration` | reads and validates a registration |
 //! | `registry` | the open sessions |
@@ -14,5 +14,5 @@ mod registry;
 mod reply;
 pub(crate) mod status;
 
-pub(crate) use control::{ControlServer, RegistrationJob};
+pub(crate) use control::{ControlServer, MeshRequest};
 pub(crate) use registry::Registry;

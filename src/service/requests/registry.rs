@@ -62,6 +62,10 @@ impl Registry {
         &self.options
     }
 
+    pub(crate) fn node(&self) -> &Node<Ipc> {
+        &self.node
+    }
+
     pub(crate) fn instance(&self) -> u64 {
         self.instance
     }

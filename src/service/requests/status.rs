@@ -13,9 +13,13 @@ use untangle::weld::Weld;
 use untangled_proto::{
     CorrectionKind, ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, Precision, correction::stage,
 };
+use untangled_transport::process_id::ProcessId;
 
 use super::registry::Registry;
-use crate::service::{repair::Counts, session::Session};
+use crate::service::{
+    repair::Counts,
+    session::{Observer, Session},
+};
 
 /// The report of a daemon, as status replies and metrics carry it.
 #[derive(Debug, Serialize)]
@@ -48,6 +52,11 @@ pub(crate) struct Report {
 #[derive(Debug, Serialize)]
 pub(crate) struct SessionReport {
     pub(crate) session: u64,
+    /// The process that registered it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    host: Option<ProcessReport>,
+    /// Who watches it, one entry for each observer.
+    pub(crate) observers: Vec<ProcessReport>,
     pub(crate) num_vertices: usize,
     pub(crate) num_faces: usize,
     /// Vertices that became one with an earlier one in their place; only for sessions that asked for it.
@@ -71,6 +80,14 @@ pub(crate) struct SessionReport {
     stage_us: BTreeMap<&'static str, f64>,
     /// Times of all frames together in seconds.
     pub(crate) stage_total_s: BTreeMap<&'static str, f64>,
+}
+
+/// A process that takes part in a session.
+#[derive(Debug, Serialize)]
+pub(crate) struct ProcessReport {
+    pid: u32,
+    /// The name of its program, or what it calls itself; empty where nobody knows.
+    name: String,
 }
 
 /// Collects the report of a daemon.
@@ -104,6 +121,12 @@ fn session_report(session: &Arc<Session>) -> SessionReport {
     let last = statistics.last.unwrap_or_default();
     SessionReport {
         session: session.id(),
+        host: session.client().map(|process| process_report(process, process.name().unwrap_or_default())),
+        observers: session
+            .observers()
+            .into_iter()
+            .map(|Observer { process, name }| process_report(process, name))
+            .collect(),
         num_vertices: session.cloth().num_vertices(),
         num_faces: session.cloth().mesh().num_faces(),
         num_welded_vertices: session.cloth().weld().map(Weld::num_merged),
@@ -121,6 +144,10 @@ fn session_report(session: &Arc<Session>) -> SessionReport {
         stage_us: by_stage(1e3, last.stage_ns),
         stage_total_s: by_stage(1e9, statistics.stage_ns),
     }
+}
+
+fn process_report(process: ProcessId, name: String) -> ProcessReport {
+    ProcessReport { pid: process.number(), name }
 }
 
 /// Times of the stages by name, in nanoseconds divided by `scale`.

@@ -82,6 +82,11 @@ impl Cloth {
         self.weld().map_or(vertex, |weld| weld.of(vertex.0))
     }
 
+    /// The vertex of the host that a vertex of the mesh is; of several the lowest.
+    pub(crate) fn host_vertex(&self, vertex: VertexId) -> u32 {
+        self.weld().map_or(vertex.0, |weld| weld.first(vertex))
+    }
+
     /// The part of its force that a vertex of the host gets, so that all that are one accelerate alike.
     pub(crate) fn share(&self, host_vertex: usize) -> f64 {
         self.seams.as_ref().map_or(1.0, |seams| seams.shares[host_vertex])

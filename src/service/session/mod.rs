@@ -15,11 +15,11 @@ mod clock;
 mod cloth;
 mod estimate;
 pub mod ingest;
-mod paths;
 mod ports;
 pub mod publish;
 mod registered;
 mod statistics;
+mod watched;
 mod work;
 
 use std::{
@@ -42,11 +42,12 @@ use super::{
 };
 pub use cloth::Cloth;
 pub use estimate::memory_bytes;
-use paths::PathsPort;
 use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
-use work::{SessionRepairs, Work};
+pub(crate) use watched::Observer;
+use watched::{PathsPort, ViewDesk, ViewPort, mesh_bytes};
+use work::{Ports, SessionRepairs, Work};
 
 /// How long a host may take from the reply to the creation of its publisher.
 const GRACE: Duration = Duration::from_secs(10);
@@ -73,6 +74,8 @@ pub(crate) struct Session {
     work: Mutex<Work>,
     /// The repairs, which `work` asks for.
     repairs: Option<Arc<RepairDesk>>,
+    /// Who watches; `work` publishes the views.
+    views: Arc<ViewDesk>,
     id: u64,
     /// The process that registered it.
     client: Option<ProcessId>,
@@ -124,11 +127,14 @@ impl Session {
             None
         };
         let asked = repairs.clone().map(|desk| SessionRepairs { desk, workers: Arc::clone(shared.workers) });
-        let work = Work::new(id, correction, Arc::clone(&cloth), untangler, corrections, paths, asked);
+        let views = Arc::new(ViewDesk::default());
+        let ports = Ports { corrections, paths, views: ViewPort::new(Arc::clone(&views)), repairs: asked };
+        let work = Work::new(id, correction, Arc::clone(&cloth), untangler, ports);
         Ok(Self {
             states,
             work: Mutex::new(work),
             repairs,
+            views,
             id,
             client,
             cloth,
@@ -177,6 +183,24 @@ impl Session {
     /// Counts of its repairs, where it asked for them.
     pub(crate) fn repairs(&self) -> Option<Counts> {
         self.repairs.as_ref().map(|desk| desk.counts())
+    }
+
+    /// Its mesh as bytes, for one that wants to watch. From now on it publishes views while somebody subscribes.
+    pub(crate) fn observe(
+        &self,
+        node: &Node<Ipc>,
+        instance: u64,
+        asked_by: Option<ProcessId>,
+        name: Option<String>,
+    ) -> Result<&[u8], Refusal> {
+        let opened = self.views.open(node, instance, self.id, asked_by, name);
+        opened.map_err(|error| Refusal::new(Status::Internal, error))?;
+        Ok(self.views.mesh(|| mesh_bytes(&self.cloth, self.precision, self.correction)))
+    }
+
+    /// Who watches it.
+    pub(crate) fn observers(&self) -> Vec<Observer> {
+        self.views.observers()
     }
 
     /// Changes the settings from the next frame on.
@@ -250,6 +274,19 @@ impl Session {
             if self.states.has_state() {
                 return true;
             }
+        }
+    }
+
+    /// How long the view of its last frame has to wait yet, if it waits; at zero it is the caller's to have it
+    /// [published](Self::publish_late_view).
+    pub(crate) fn take_late_view(&self) -> Option<Duration> {
+        self.views.take_due()
+    }
+
+    /// Publishes the view of its last frame, which had to wait. A frame that is in work publishes its own.
+    pub(crate) fn publish_late_view(&self) {
+        if let Ok(mut work) = self.work.try_lock() {
+            work.publish_late_view();
         }
     }
 

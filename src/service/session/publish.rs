@@ -1,7 +1,7 @@
 //! Publishing: from the outcome of a frame to the header and the values of the sample that a host reads.
 
 use untangled_proto::{
-    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection,
+    CorrectionHeader, CorrectionKind, StateHeader, Status, VertexCorrection, VertexEntry,
     correction::{NO_FAULT, TRUNCATED, flags, pair_type},
 };
 
@@ -125,6 +125,16 @@ impl<'a> Values<'a> {
         let Self { cloth, corrections, kind, dt_s, .. } = *self;
         let share = if kind == CorrectionKind::Force { cloth.share(index) } else { 1.0 };
         shared_vertex(cloth.mesh(), corrections, kind, dt_s, cloth.mesh_vertex(index).index(), share)
+    }
+
+    /// An entry for each vertex that has a value or a flag other than pinned, ascending.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = VertexEntry> {
+        self.touched().filter_map(|vertex| {
+            let VertexCorrection { value, flags } = self.vertex(vertex.index());
+            // A force may be too small for single precision.
+            let is_said = flags & !flags::PINNED != 0 || value.iter().any(|value| value.to_bits() != 0);
+            is_said.then_some(VertexEntry { vertex: vertex.0, value, flags })
+        })
     }
 
     /// What is said of a vertex that is not touched.

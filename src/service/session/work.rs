@@ -22,11 +22,14 @@ use super::{
     clock::StageClock,
     cloth::Cloth,
     ingest::{self, StateFault},
-    paths::PathsPort,
     ports::{CorrectionPort, StatePort},
     publish::{self, Touched, TouchedMemory, Values},
+    watched::{PathsPort, View, ViewPort},
 };
-use crate::service::repair::{RepairDesk, RepairWorkers};
+use crate::service::{
+    error::ServeError,
+    repair::{RepairDesk, RepairWorkers},
+};
 
 /// The fault of a frame whose processing panicked.
 const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FAULT, value: 0.0 };
@@ -34,9 +37,9 @@ const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FA
 /// What a worker needs for a frame.
 #[derive(Debug)]
 pub(crate) struct Work {
-    corrections: CorrectionPort,
-    paths: PathsPort,
-    repairs: Option<SessionRepairs>,
+    ports: Ports,
+    /// The last frame, where its view has to wait.
+    late_view: Option<LateView>,
     untangler: Untangler,
     frame: Frame,
     /// Positions of the host's vertices, where these are welded.
@@ -50,22 +53,19 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// The work of the session with this id; `corrections`, `paths` and `repairs` are its ports.
+    /// The work of the session with this id; `ports` are its ports.
     pub(crate) fn new(
         session: u64,
         correction: CorrectionKind,
         cloth: Arc<Cloth>,
         untangler: Untangler,
-        corrections: CorrectionPort,
-        paths: PathsPort,
-        repairs: Option<SessionRepairs>,
+        ports: Ports,
     ) -> Self {
         let (frame, copied, touched) = (Frame::default(), Vec::new(), TouchedMemory::default());
         let (num_skipped_frames, last_frame) = (0, None);
         Self {
-            corrections,
-            paths,
-            repairs,
+            ports,
+            late_view: None,
             untangler,
             frame,
             copied,
@@ -109,7 +109,8 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> CorrectionHeader {
         self.count_skipped(state.frame);
-        let Self { corrections: port, paths, repairs, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Self { ports, late_view, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Ports { corrections: port, paths, views, repairs } = ports;
         let checked = read.and_then(|()| ingest::check_header(state, cloth.num_vertices()));
         let settings = untangler.settings().clone();
         let limits = FrameLimits {
@@ -137,11 +138,13 @@ impl Work {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
         if let Err(error) = port.send(&mut header, clock, record, values.as_ref()) {
-            static LOST: Throttle = Throttle::new();
-            if let Some(num_suppressed) = LOST.admit() {
-                tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
-            }
+            log_lost(self.session, &error);
         }
+        // After the correction, so that observers cost no latency.
+        let (seen, found) = (checked.is_ok().then_some(&*frame), outcome.as_ref().ok().zip(values.as_ref()));
+        let is_published = views.publish(&View { correction: &header, cloth, frame: seen, found });
+        let waiting = LateView { header, has_positions: seen.is_some(), has_outcome: found.is_some() };
+        *late_view = (!is_published).then_some(waiting);
         let is_broken = matches!(outcome, Err(StateFault { status: Status::Internal, .. }));
         // After the correction, which waits for no repair.
         if let Some(repairs) = repairs {
@@ -151,6 +154,20 @@ impl Work {
             self.reset();
         }
         header
+    }
+
+    /// Publishes the view of the last frame, where it had to wait and no other frame has come.
+    pub(crate) fn publish_late_view(&mut self) {
+        let Self { ports, late_view, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Some(LateView { header, has_positions, has_outcome }) = late_view.take() else { return };
+        let outcome = has_outcome.then(|| untangler.last());
+        let values = outcome.as_ref().map(|outcome| {
+            let corrections = outcome.corrections;
+            let touched = Touched::of(cloth, corrections, touched);
+            Values { cloth, corrections, touched, kind: *kind, dt_s: header.dt_s }
+        });
+        let (frame, found) = (has_positions.then_some(&*frame), outcome.as_ref().zip(values.as_ref()));
+        ports.views.publish_late(&View { correction: &header, cloth, frame, found });
     }
 
     fn count_skipped(&mut self, frame: u64) {
@@ -168,6 +185,23 @@ impl Work {
             self.untangler = fresh;
         }
     }
+}
+
+/// A frame whose view has to wait: its header, and what the memory of the work holds of it.
+#[derive(Clone, Copy, Debug)]
+struct LateView {
+    header: CorrectionHeader,
+    has_positions: bool,
+    has_outcome: bool,
+}
+
+/// The ports that the work of a session sends to.
+#[derive(Debug)]
+pub(crate) struct Ports {
+    pub(crate) corrections: CorrectionPort,
+    pub(crate) paths: PathsPort,
+    pub(crate) views: ViewPort,
+    pub(crate) repairs: Option<SessionRepairs>,
 }
 
 /// Where the repairs of a session are asked for, and who works on them.
@@ -214,6 +248,13 @@ fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &m
         untangler.process(frame, clock)
     }))
     .ok()
+}
+
+fn log_lost(session: u64, error: &ServeError) {
+    static LOST: Throttle = Throttle::new();
+    if let Some(num_suppressed) = LOST.admit() {
+        tracing::warn!(%error, session, num_suppressed, "the correction is lost");
+    }
 }
 
 fn log_frame(session: u64, header: &CorrectionHeader) {

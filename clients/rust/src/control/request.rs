@@ -134,10 +134,16 @@ impl Pending {
 
     /// Waits for the reply, up to the deadline; then the request is dropped.
     pub(crate) fn wait(self, connection: &Connection, deadline: Instant) -> Result<Reply, RequestError> {
-        self.poll(connection, deadline)?.ok_or_else(|| RequestError::Timeout {
-            domain: connection.domain.name().to_owned(),
-            waited: self.sent.elapsed(),
-        })
+        self.poll(connection, deadline)?.ok_or_else(|| self.late(connection))
+    }
+
+    /// As [`wait`](Self::wait), and takes a refusal for a reply as well.
+    pub(crate) fn wait_raw(self, connection: &Connection, deadline: Instant) -> Result<RawReply, RequestError> {
+        self.poll_raw(connection, deadline)?.ok_or_else(|| self.late(connection))
+    }
+
+    fn late(&self, connection: &Connection) -> RequestError {
+        RequestError::Timeout { domain: connection.domain.name().to_owned(), waited: self.sent.elapsed() }
     }
 
     fn receive(&self) -> Result<Option<RawReply>, RequestError> {

@@ -35,16 +35,10 @@ impl Correction {
         views: Arc<DenseViews>,
     ) -> Result<Self, FrameRefusal> {
         let header = *sample.header();
-        if header.status == Status::Ok.code() {
-            return Ok(Self { header, sample, paths, dense: OnceLock::new(), views });
+        match refusal(&header) {
+            None => Ok(Self { header, sample, paths, dense: OnceLock::new(), views }),
+            Some(refusal) => Err(refusal),
         }
-        Err(FrameRefusal {
-            frame: header.frame,
-            status: Status::from_code(header.status).unwrap_or(Status::Internal),
-            fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
-            fault_value: header.fault_value,
-            header_field: field_at_fault(&header),
-        })
     }
 
     /// The frame that it is for.
@@ -121,6 +115,17 @@ impl Correction {
 
 fn is_entry(vertex: &VertexCorrection) -> bool {
     vertex.flags & !flags::PINNED != 0 || vertex.value.iter().any(|value| value.to_bits() != 0)
+}
+
+/// Why a frame was not corrected, if it was not.
+pub(crate) fn refusal(header: &CorrectionHeader) -> Option<FrameRefusal> {
+    (header.status != Status::Ok.code()).then(|| FrameRefusal {
+        frame: header.frame,
+        status: Status::from_code(header.status).unwrap_or(Status::Internal),
+        fault_index: Some(header.fault_index).filter(|&index| index != NO_FAULT),
+        fault_value: header.fault_value,
+        header_field: field_at_fault(header),
+    })
 }
 
 /// The field of the state's header at fault, which the daemon sends back beside the value.

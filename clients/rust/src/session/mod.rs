@@ -28,6 +28,7 @@ use crate::{
     registration::{Registration, settings_bytes},
 };
 pub use correction::Correction;
+pub(crate) use correction::refusal;
 use dense::DenseViews;
 pub use loan::{Loan, LoanMemory, StepTime};
 pub use paths::Paths;

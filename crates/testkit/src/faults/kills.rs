@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rustix::process::Signal;
 
 use super::{
-    end::{end_cleanly, num_sessions},
+    end::{end_cleanly, num_observers, num_sessions},
     row::Row,
     witness::Witness,
 };
@@ -117,6 +117,40 @@ pub fn stopped_clients(programs: Programs, num_tries: u64, seed: u64) -> Row {
     client.wait_for("at frame");
     row.note = "the stopped client went on each time".into();
     client.kill();
+    witness.finish(&mut row);
+    end_cleanly(daemon, &domain);
+    row
+}
+
+/// Observers of a working client's session, killed at any moment and stopped for a while.
+pub fn observer_faults(programs: Programs, num_tries: u64, seed: u64) -> Row {
+    let mut rng = StdRng::seed_from_u64(seed);
+    let mut row = Row { what: "observer killed at any moment, or stopped".into(), num_tries, ..Row::default() };
+    let domain = TestDomain::new();
+    let daemon = programs.start_daemon(&domain);
+    let witness = Witness::start(&domain, 500, Duration::from_millis(1), false);
+    witness.wait_for_frame();
+    let start = || ClientProcess::start(programs, &domain, "observe");
+    let mut stopped = start();
+    for _ in 0..num_tries {
+        stopped.wait_for("at seen");
+        stopped.signal(Signal::STOP);
+        let mut observer = start();
+        match rng.random_range(0..3) {
+            0 => {}
+            1 => observer.wait_for("at opening"),
+            _ => observer.wait_for("at seen"),
+        }
+        thread::sleep(Duration::from_micros(rng.random_range(0..20_000)));
+        row.num_wrong += u64::from(observer.kill().contains("wrong"));
+        // More views than the stopped one has room for.
+        (0..100).for_each(|_| witness.wait_for_frame());
+        stopped.signal(Signal::CONT);
+    }
+    stopped.wait_for("at seen");
+    row.note = "killed while it connected, opened or watched; the stopped one went on each time".into();
+    row.num_wrong += u64::from(stopped.kill().contains("wrong"));
+    eventually("the dead observers are gone", || num_observers(&domain) == 0);
     witness.finish(&mut row);
     end_cleanly(daemon, &domain);
     row

@@ -12,7 +12,7 @@ mod witness;
 
 pub use full_memory::{full_memory, full_memory_main};
 pub use hostile::{lying_headers, lying_repair_requests, writing_after_sending};
-pub use kills::{all_killed, client_kills, daemon_kills, stopped_clients};
+pub use kills::{all_killed, client_kills, daemon_kills, observer_faults, stopped_clients};
 pub use limits::request_limits;
 pub use row::Row;
 pub use sessions::{many_sessions, open_and_close};

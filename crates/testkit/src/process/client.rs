@@ -2,7 +2,7 @@
 
 use std::{
     collections::VecDeque,
-    io::{BufRead, BufReader, Read, Write},
+    io::{BufRead, BufReader, Read},
     process::{Child, ChildStdout, Stdio},
     time::Duration,
 };
@@ -10,7 +10,11 @@ use std::{
 use rustix::process::Signal;
 use untangled_client::{Client, ClientOptions, RegisterError, RequestError, Session, Status};
 
-use super::{KnownCloth, PATIENCE, Programs, STEP, TestDomain, send_signal};
+use super::{
+    KnownCloth, PATIENCE, Programs, STEP, TestDomain,
+    observer::{observer_main, say},
+    send_signal,
+};
 
 /// A client process that says on standard output how far it is. Dropping it kills it.
 #[derive(Debug)]
@@ -56,8 +60,12 @@ impl Drop for ClientProcess {
 }
 
 /// What a client process does, by its role: `frames` exchanges frames and keeps corrections, `loan` stops while it
-/// holds a loan, `register` registers a large mesh over and over.
+/// holds a loan, `register` registers a large mesh over and over, `observe`
+/// watches the first session, `observe1` the second.
 pub fn client_main(domain: &str, role: &str) {
+    if let Some(place) = role.strip_prefix("observe") {
+        return observer_main(domain, place.parse().unwrap_or(0));
+    }
     // Long enough to outlive a daemon that is restarted, and not much longer than the test that watches it.
     let options = ClientOptions { domain: Some(domain.to_owned()), timeout: PATIENCE };
     let client = match Client::connect(options) {
@@ -104,11 +112,6 @@ fn exchange_frames(cloth: &KnownCloth, session: &mut Session, hold_loans: bool) 
             hold_loan(session);
         }
     }
-}
-
-fn say(what: &str) {
-    println!("at {what}");
-    let _ = std::io::stdout().flush();
 }
 
 fn hold_loan(session: &mut Session) {

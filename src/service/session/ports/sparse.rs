@@ -1,10 +1,7 @@
 //! Corrections that list only the vertices that have one, and labels.
 
 use iceoryx2::port::publisher::Publisher;
-use untangled_proto::{
-    CorrectionHeader, SessionOptions, VertexCorrection, VertexEntry, VertexLabel, correction::sparse::LABEL_WORDS,
-    flags,
-};
+use untangled_proto::{CorrectionHeader, SessionOptions, VertexLabel, correction::sparse::LABEL_WORDS};
 use untangled_transport::services::{Ipc, SparseService};
 
 use super::{finish::Finish, labels::Labels};
@@ -67,13 +64,9 @@ impl SparseSamples {
 /// Writes an entry for each vertex that has a value or a flag other than pinned; how many there are.
 fn write_entries(words: &mut Vec<u32>, values: &Values<'_>) -> u32 {
     let mut num_values = 0;
-    for vertex in values.touched() {
-        let VertexCorrection { value, flags } = values.vertex(vertex.index());
-        // A force may be too small for single precision.
-        if flags & !flags::PINNED != 0 || value.iter().any(|value| value.to_bits() != 0) {
-            words.extend(VertexEntry { vertex: vertex.0, value, flags }.to_words());
-            num_values += 1;
-        }
+    for entry in values.entries() {
+        words.extend(entry.to_words());
+        num_values += 1;
     }
     num_values
 }

@@ -56,8 +56,8 @@ pub struct PathRecord {
     pub first_point: u32,
     /// Number of its points.
     pub num_points: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// In a view what became of it, see [`path_state`](crate::view::path_state); zero in the paths that a host gets.
+    pub state: u32,
 }
 
 /// One point; little-endian, 32 bytes.
@@ -93,6 +93,12 @@ impl PathRecord {
         all.get(first..first.saturating_add(self.num_points as usize)).unwrap_or_default()
     }
 
+    /// From its words on the wire.
+    pub(super) fn from_words(words: [u32; 8]) -> Self {
+        let [pair, pair_type, path_type, partner, closed, first_point, num_points, state] = words;
+        Self { pair, pair_type, path_type, partner, closed, first_point, num_points, state }
+    }
+
     /// The bytes on the wire.
     #[must_use]
     pub fn to_bytes(self) -> [u8; 32] {
@@ -104,7 +110,7 @@ impl PathRecord {
             self.closed,
             self.first_point,
             self.num_points,
-            self.reserved,
+            self.state,
         ];
         let mut bytes = [0; 32];
         for (slot, word) in bytes.chunks_exact_mut(4).zip(words) {

@@ -3,6 +3,8 @@
 //! The daemon creates services, clients open them. Opening states no limits and no alignment, so that a client takes
 //! those of the daemon.
 
+pub mod views;
+
 use iceoryx2::{
     prelude::*,
     service::{

@@ -7,7 +7,8 @@ use iceoryx2::{
 use untangled_proto::{
     memory::{PayloadLayout, paths_sample_bytes},
     names::{self, SessionService},
-    paths::{PathPoint, PathRecord, PathsHeader, path_type},
+    paths::PathsHeader,
+    view::path_state,
 };
 use untangled_transport::{
     memory,
@@ -15,9 +16,9 @@ use untangled_transport::{
     throttle::Throttle,
 };
 
-use untangle::paths::{IntersectionPaths, PathCopy, PathType};
+use untangle::paths::IntersectionPaths;
 
-use super::publish::pair_index;
+use super::records;
 use crate::service::error::ServeError;
 
 /// A session's paths service. It has no publisher, and costs nothing per frame, until there is a subscriber.
@@ -90,44 +91,6 @@ impl PathsPort {
 /// Writes records and points into `bytes`.
 fn encode(frame: u64, paths: &IntersectionPaths, bytes: &mut Vec<u8>) -> PathsHeader {
     bytes.clear();
-    let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-    let mut num_points = 0;
-    for copy in &paths.copies {
-        let record = PathRecord {
-            pair: count(copy.pair),
-            pair_type: count(pair_index(paths.pairs[copy.pair].pair_type)),
-            path_type: path_type_code(copy.path_type),
-            partner: count(copy.partner),
-            closed: u32::from(copy.closed),
-            first_point: num_points,
-            num_points: count(copy.points.len()),
-            reserved: 0,
-        };
-        num_points += record.num_points;
-        bytes.extend_from_slice(&record.to_bytes());
-    }
-    for point in paths.copies.iter().flat_map(|copy| points(paths, copy)) {
-        bytes.extend_from_slice(&point.to_bytes());
-    }
-    PathsHeader { frame, num_paths: count(paths.copies.len()), num_points, ..PathsHeader::default() }
-}
-
-fn points<'a>(paths: &'a IntersectionPaths, copy: &'a PathCopy) -> impl Iterator<Item = PathPoint> + 'a {
-    let segments = &paths.segments[copy.segments.clone()];
-    paths.points[copy.points.clone()].iter().enumerate().map(|(k, point)| PathPoint {
-        position_m: point.position.coords.into(),
-        faces: segments.get(k).or(segments.last()).map_or([u32::MAX; 2], |s| [s.own.0, s.partner.0]),
-    })
-}
-
-fn path_type_code(kind: PathType) -> u32 {
-    match kind {
-        PathType::Closed => path_type::CLOSED,
-        PathType::LoopLoop => path_type::LOOP_LOOP,
-        PathType::BoundaryLoopInside => path_type::BOUNDARY_LOOP_INSIDE,
-        PathType::BoundaryLoopBoundary => path_type::BOUNDARY_LOOP_BOUNDARY,
-        PathType::BoundaryBoundary => path_type::BOUNDARY_BOUNDARY,
-        PathType::BoundaryInside => path_type::BOUNDARY_INSIDE,
-        PathType::InsideInside => path_type::INSIDE_INSIDE,
-    }
+    let [num_paths, num_points] = records::write(paths, |_| path_state::UNKNOWN, bytes);
+    PathsHeader { frame, num_paths, num_points, ..PathsHeader::default() }
 }
