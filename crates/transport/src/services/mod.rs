@@ -3,6 +3,7 @@
 //! The daemon creates services, clients open them. Opening states no limits and no alignment, so that a client takes
 //! those of the daemon.
 
+mod positions;
 pub mod views;
 
 use iceoryx2::{
@@ -24,22 +25,18 @@ use untangled_proto::{
     memory::{PADDED_ALIGNMENT, PayloadLayout},
     names,
     paths::PathsHeader,
-    repair::RepairHeader,
-    state::{PositionF32, PositionF64, StateHeader},
 };
+
+pub use positions::{Position, Repairs, States};
 
 /// The variant of iceoryx2 whose ports may move between threads. It can talk to peers of the other variant.
 pub type Ipc = ipc_threadsafe::Service;
 /// A service for requests.
 pub type Requests = port_factory::request_response::PortFactory<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
-/// A state service of positions `P`.
-pub type States<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], StateHeader>;
 /// A correction service.
 pub type CorrectionService = port_factory::publish_subscribe::PortFactory<Ipc, [VertexCorrection], CorrectionHeader>;
 /// A service of sparse corrections.
 pub type SparseService = port_factory::publish_subscribe::PortFactory<Ipc, [u32], CorrectionHeader>;
-/// A repair service of displacements `P`.
-pub type Repairs<P> = port_factory::publish_subscribe::PortFactory<Ipc, [P], RepairHeader>;
 /// A paths service.
 pub type PathsService = port_factory::publish_subscribe::PortFactory<Ipc, [u8], PathsHeader>;
 /// An event service.
@@ -144,141 +141,6 @@ pub fn create_session_event(node: &Node<Ipc>, name: &str) -> Result<Event, Event
         .notifier_dropped_event(EventId::new(names::EVENT_GONE))
         .notifier_dead_event(EventId::new(names::EVENT_GONE))
         .create()
-}
-
-/// Positions that a state service can carry.
-///
-/// The services of each kind are compiled here once, and not in every crate that opens one.
-pub trait Position: std::fmt::Debug + ZeroCopySend + Sized + 'static {
-    /// Creates a state service.
-    ///
-    /// # Errors
-    /// The error of iceoryx2.
-    fn create_states(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<States<Self>, PublishSubscribeCreateError>;
-
-    /// Opens a state service.
-    ///
-    /// # Errors
-    /// The error of iceoryx2.
-    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError>;
-
-    /// Creates a repair service.
-    ///
-    /// # Errors
-    /// The error of iceoryx2.
-    fn create_repairs(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<Repairs<Self>, PublishSubscribeCreateError>;
-
-    /// Opens a repair service.
-    ///
-    /// # Errors
-    /// The error of iceoryx2.
-    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError>;
-}
-
-impl Position for PositionF32 {
-    fn create_states(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<States<Self>, PublishSubscribeCreateError> {
-        create_states(node, name, layout)
-    }
-
-    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
-        open_states(node, name)
-    }
-
-    fn create_repairs(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<Repairs<Self>, PublishSubscribeCreateError> {
-        create_repairs(node, name, layout)
-    }
-
-    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError> {
-        open_repairs(node, name)
-    }
-}
-
-impl Position for PositionF64 {
-    fn create_states(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<States<Self>, PublishSubscribeCreateError> {
-        create_states(node, name, layout)
-    }
-
-    fn open_states(node: &Node<Ipc>, name: &str) -> Result<States<Self>, PublishSubscribeOpenError> {
-        open_states(node, name)
-    }
-
-    fn create_repairs(
-        node: &Node<Ipc>,
-        name: &str,
-        layout: PayloadLayout,
-    ) -> Result<Repairs<Self>, PublishSubscribeCreateError> {
-        create_repairs(node, name, layout)
-    }
-
-    fn open_repairs(node: &Node<Ipc>, name: &str) -> Result<Repairs<Self>, PublishSubscribeOpenError> {
-        open_repairs(node, name)
-    }
-}
-
-fn create_states<P: Position>(
-    node: &Node<Ipc>,
-    name: &str,
-    layout: PayloadLayout,
-) -> Result<States<P>, PublishSubscribeCreateError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[P]>()
-        .user_header::<StateHeader>()
-        .payload_alignment(alignment(layout))
-        .max_publishers(1)
-        .max_subscribers(1)
-        .max_nodes(2)
-        .history_size(0)
-        .subscriber_max_buffer_size(limits::STATE_BUFFER)
-        .subscriber_max_borrowed_samples(limits::STATE_BORROWED)
-        .enable_safe_overflow(true)
-        .create()
-}
-
-fn open_states<P: Position>(node: &Node<Ipc>, name: &str) -> Result<States<P>, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name)).publish_subscribe::<[P]>().user_header::<StateHeader>().open()
-}
-
-fn create_repairs<P: Position>(
-    node: &Node<Ipc>,
-    name: &str,
-    layout: PayloadLayout,
-) -> Result<Repairs<P>, PublishSubscribeCreateError> {
-    node.service_builder(&service_name(name))
-        .publish_subscribe::<[P]>()
-        .user_header::<RepairHeader>()
-        .payload_alignment(alignment(layout))
-        .max_publishers(1)
-        .max_subscribers(1)
-        .max_nodes(2)
-        .history_size(0)
-        .subscriber_max_buffer_size(limits::REPAIR_BUFFER)
-        .subscriber_max_borrowed_samples(limits::REPAIR_BORROWED)
-        .enable_safe_overflow(true)
-        .create()
-}
-
-fn open_repairs<P: Position>(node: &Node<Ipc>, name: &str) -> Result<Repairs<P>, PublishSubscribeOpenError> {
-    node.service_builder(&service_name(name)).publish_subscribe::<[P]>().user_header::<RepairHeader>().open()
 }
 
 /// Creates a correction service.
