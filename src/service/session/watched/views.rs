@@ -55,7 +55,8 @@ impl ViewPort {
         }
     }
 
-    /// Publishes the view of a frame whose correction has gone out, if there is a subscriber; false where it has to wait.
+    /// Publishes the view of a frame whose correction has gone out, if there is a subscriber; false where it has to
+    /// wait.
     pub(in crate::service::session) fn publish(&mut self, view: &View<'_>) -> bool {
         self.num_frames += 1;
         if !self.is_watched() {
