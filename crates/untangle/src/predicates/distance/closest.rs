@@ -26,7 +26,7 @@ pub(crate) fn vertex_face_weights(p: Point, [a, b, c]: [Point; 3]) -> [f64; 3] {
     }
     let [vc, vb, va] = [d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4];
     let inside = inside([va, vb, vc]);
-    if are_nearly_parallel(dot(ab, ab), dot(ac, ac), dot(ab, ac)) {
+    if are_thin(dot(ab, ab), dot(ac, ac), dot(ab, ac)) {
         return shortest(&[ap, bp, cp].map(|way| way.map(|value| -value)), inside);
     }
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
@@ -52,17 +52,17 @@ fn inside(weights: [f64; 3]) -> [f64; 3] {
     if sum > 0.0 && sum.is_finite() { weights.map(|weight| weight / sum) } else { [1.0, 0.0, 0.0] }
 }
 
-/// Whether two sides, by their squared lengths and their product, are so nearly parallel that rounding decides where the
-/// closest points lie: by the square of the sine.
+/// Whether the height of two sides over the longer one, by their squared lengths and their product, is so little beside
+/// it that rounding decides where closest points lie.
 #[inline]
-fn are_nearly_parallel(first: f64, second: f64, product: f64) -> bool {
+fn are_thin(first: f64, second: f64, product: f64) -> bool {
+    let longer = if first > second { first } else { second };
     // Also where a length is zero, or something overflows.
-    let square = first * second;
-    !(square - product * product > NEARLY_PARALLEL * square)
+    !(first * second - product * product > THIN * (longer * longer))
 }
 
-/// Sines of up to a thousandth.
-const NEARLY_PARALLEL: f64 = 1e-6;
+/// The square of a thousandth.
+const THIN: f64 = 1e-6;
 
 /// Of a way to a point inside and those to the sides of a triangle, all from the origin, the weights of the shortest.
 fn shortest(corners: &[Point; 3], inside: [f64; 3]) -> [f64; 3] {
@@ -124,7 +124,7 @@ pub(crate) fn edge_edge_weights([p1, q1]: [Point; 2], [p2, q2]: [Point; 2]) -> [
         let t = limit(t);
         weights(limit((b * t - c) / a), t)
     };
-    if denominator > 0.0 && are_nearly_parallel(a, e, b) {
+    if denominator > 0.0 && are_thin(a, e, b) {
         // From each end as well.
         let ends = [[0.0, limit(f / e)], [1.0, limit((b + f) / e)], [limit(-c / a), 0.0], [limit((b - c) / a), 1.0]];
         let squared = |[[_, s], [_, t]]: [[f64; 2]; 2]| {
