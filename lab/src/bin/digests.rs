@@ -7,7 +7,8 @@
 //! With `--portable` before them the files are processed without the instructions that not every processor has: the
 //! same digests come out.
 //!
-//! `--generated` prints the digests of generated inputs, which `tests/response/same_bytes/digests.tsv` holds.
+//! `--generated` prints the digests of generated inputs, which `tests/response/same_bytes/digests.tsv` holds; with
+//! `--used` before it by sessions that have seen other frames.
 //!
 //! An argument names one mesh file, or several joined by `+`, which are pieces in one world. Each world is processed
 //! with each response, each quality and each choice of the inside, with one thread and with two, over three
@@ -39,13 +40,18 @@ type BoxedError = Box<dyn Error + Send + Sync>;
 fn main() -> Result<(), BoxedError> {
     let pools = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build());
     let pools = pools.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut session = Session::Fresh;
     for argument in std::env::args().skip(1) {
         if argument == "--portable" {
             use_portable_instructions(true);
             continue;
         }
+        if argument == "--used" {
+            session = Session::Used;
+            continue;
+        }
         if argument == "--generated" {
-            worlds().iter().flat_map(|world| lines(world, Session::Fresh)).for_each(|line| println!("{line}"));
+            worlds().iter().flat_map(|world| lines(world, session)).for_each(|line| println!("{line}"));
             continue;
         }
         if let Err(error) = print_world(&argument, &pools) {
