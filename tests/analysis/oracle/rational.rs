@@ -3,7 +3,7 @@
 //! The same at a million pairs: `cargo run --release -p untangled-lab --bin judge`.
 
 use untangled_testkit::{
-    generate::small::KINDS,
+    generate::degenerate::small::KINDS,
     judge::rational::{Comparison, compare_random},
 };
 

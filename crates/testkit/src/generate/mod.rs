@@ -9,7 +9,6 @@ pub mod mirrored;
 pub mod outfits;
 mod relabel;
 mod sheet;
-pub mod small;
 mod split;
 pub mod waves;
 

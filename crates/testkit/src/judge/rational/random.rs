@@ -7,7 +7,7 @@ use super::{
     checker::compare_checker,
     library::{Compared, compare_gaps, compare_intersections},
 };
-use crate::generate::small::{KINDS, SmallMesh};
+use crate::generate::degenerate::small::{KINDS, SmallMesh};
 
 /// Meshes of so many vertices have so many primitives that their distances take seconds.
 const MAX_VERTICES_GAPS: usize = 16;

@@ -4,7 +4,7 @@
 //! ```sh
 //! cargo run --release -p untangled-lab --bin judge                       # a million pairs in all
 //! cargo run --release -p untangled-lab --bin judge -- --pairs 10000000 --from 1000000000
-//! cargo run --release -p untangled-lab --bin judge -- --portable         # without the instructions not every processor has
+//! cargo run --release -p untangled-lab --bin judge -- --portable         # without AVX2
 //! cargo run --release -p untangled-lab --bin judge -- --kind 3 --from 17 --pairs 1   # one mesh again
 //! ```
 //!
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use untangle::simd::use_portable_instructions;
 use untangled_lab::table::print_header;
 use untangled_testkit::{
-    generate::small::KINDS,
+    generate::degenerate::small::KINDS,
     judge::rational::{Comparison, compare_random},
 };
 
