@@ -3,7 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`generate`] | meshes and positions: sheets, folds, fans, every degenerate kind |
-//! | [`judge`] | what an answer is held against: brute force, rules, summaries |
+//! | [`judge`] | what an answer is held against: brute force, rational numbers, rules, digests, summaries |
 //! | [`files`] | one mesh in each format, numpy archives, the shared folder beside the checkout |
 //! | [`process`] | daemons and clients as processes, each on a domain of its own |
 //! | [`hosts`] | programs in other languages: compilers, Python, the same frames for all clients |

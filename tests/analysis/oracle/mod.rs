@@ -3,4 +3,5 @@
 mod bodies;
 mod brute_force;
 mod known_answers;
+mod rational;
 mod second_broad_phase;

@@ -1,6 +1,8 @@
 //! What an answer is held against.
 
 pub mod brute_force;
+pub mod digest;
+pub mod rational;
 pub mod rules;
 mod summary;
 

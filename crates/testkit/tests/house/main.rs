@@ -9,6 +9,7 @@ mod graph;
 mod modules;
 mod names;
 mod processors;
+mod proofs;
 mod tree;
 
 use std::{collections::BTreeMap, path::Path};
@@ -17,8 +18,8 @@ use graph::{Graph, circles};
 use modules::Package;
 
 /// Sources, documents and everything else that people read.
-const READ_BY_PEOPLE: [&str; 16] =
-    ["rs", "md", "py", "pyi", "c", "h", "cpp", "hpp", "toml", "cmake", "yml", "sh", "service", "run", "ts", "mjs"];
+const READ_BY_PEOPLE: [&str; 17] =
+    ["rs", "md", "py", "pyi", "c", "h", "cpp", "hpp", "toml", "cmake", "yml", "sh", "service", "run", "ts", "mjs", "g"];
 const MAX_COLUMNS: usize = 120;
 const MAX_FILES_OF_A_FOLDER: usize = 10;
 

@@ -42,9 +42,9 @@ fn sort_by_index(sites: &mut [Site; 4]) -> bool {
 /// One coefficient of the perturbed determinant.
 ///
 /// The determinant has the rows `(x, y, z, 1)` of the four sites, sorted by index. Site `i` moves by `e(i, j)` in
-/// coordinate `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each larger than any product of those after
-/// it. The coefficient of a product of such terms is, up to its sign, the determinant without the rows and columns of
-/// the factors.
+/// coordinate `j`, where `e(0, z) >> e(0, y) >> e(0, x) >> e(1, z) >> ...`, each smaller than the product of all those
+/// before it: `e`, `e^2`, `e^4` and so on. The coefficient of a product of such terms is, up to its sign, the
+/// determinant without the rows and columns of the factors.
 struct Minor {
     /// Rows (sites) that stay.
     rows: &'static [usize],

@@ -12,9 +12,10 @@ use crate::{frame::Frame, mesh::VertexId};
 /// Least number of nodes that one thread takes at a time.
 const MIN_NODES_PER_TASK: usize = 256;
 
-/// Coordinates in single precision are at most one half, those of [far](Bvh::is_far) vertices aside, and at most this
-/// far from where the map without rounding would take them: twice the roundoff of the conversion.
-pub(crate) const POINT_F32_ERROR: f64 = 0.25 * f32::EPSILON as f64;
+/// Coordinates in single precision are at most one, those of [far](Bvh::is_far) vertices aside, and at most this far
+/// from where the map without rounding would take them: half a unit in the last place below one, and what the steps in
+/// double precision add. Most are at most one half, but not where the middle of a frame is rounded to its end.
+pub(crate) const POINT_F32_ERROR: f64 = (0.25 + 1e-6) * f32::EPSILON as f64;
 
 impl Bvh {
     /// Fits all boxes to the positions of a frame.

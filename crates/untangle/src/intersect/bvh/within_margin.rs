@@ -14,13 +14,20 @@ use crate::{
 };
 
 impl Bvh {
-    /// A margin in metres after the map into single precision, and more than the roundings of both boxes. Magnitudes
-    /// beyond one half, of far vertices, have [`FAR_ROUNDING`] beside it.
+    /// A margin in metres after the map into single precision, and more than the roundings of both boxes. Far vertices
+    /// have [`FAR_ROUNDING`] beside it.
     pub(crate) fn margin_f32(&self, margin_m: f64) -> f32 {
         #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
         let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
-        // Beyond all boxes, and finite, since an empty box ends at infinity.
-        margin.min(0.25 * f32::MAX)
+        if margin < 0.25 * f32::MAX {
+            margin
+        } else if self.has_far {
+            // Far coordinates end where single precision does, as grown boxes do: with this all of them overlap.
+            f32::INFINITY
+        } else {
+            // Beyond all boxes, and finite, since an empty box ends at infinity.
+            0.25 * f32::MAX
+        }
     }
 
     /// A box that is larger by a [margin](Self::margin_f32) on every side, and by what rounds far coordinates.
@@ -111,8 +118,6 @@ impl Bvh {
         mut found: impl FnMut([u32; 2]),
     ) -> bool {
         let Some(root_pair) = self.root_pair() else { return true };
-        // Coordinates in single precision are at most one half and rounded by 2^-25 of it at most, and so are the sums
-        // below.
         let margin = self.margin_f32(margin_m);
         stack.clear();
         stack.push(root_pair);

@@ -62,7 +62,8 @@ fn is_apart_along<const N: usize>(differences: &[Point; N], direction: Point, le
         // A NaN proves nothing.
         least = if reach >= least { least } else { reach };
     }
-    let needed = distance * length * (1.0 + ERROR) + UNDERFLOW;
+    // The length of a direction may have underflowed: times a large distance that is more than the last term.
+    let needed = distance * (length + UNDERFLOW) * (1.0 + ERROR) + UNDERFLOW;
     least >= needed && least.is_finite()
 }
 

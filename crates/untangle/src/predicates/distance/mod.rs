@@ -47,15 +47,35 @@ pub fn are_edges_nearer(first: [Point; 2], second: [Point; 2], distance_m: f64) 
             .unwrap_or_else(|| exact::are_edges_nearer(first, second, distance_m))
 }
 
-/// The distance of a point and a triangle, in metres, rounded.
+/// The distance of a point and a triangle, in metres, rounded: off by some units in the last place of the largest
+/// difference of coordinates, and for faces of next to no area by up to 1e-8 of that.
 pub(crate) fn vertex_face_distance(vertex: Point, face: [Point; 3]) -> f64 {
-    let weights = vertex_face_weights(vertex, face);
-    certificate::distance(&face.map(|corner| difference(vertex, corner)), weights)
+    let differences = face.map(|corner| difference(vertex, corner));
+    let unit = unit(&differences);
+    let weights = vertex_face_weights(scaled(vertex, unit), face.map(|corner| scaled(corner, unit)));
+    certificate::distance(&differences, weights)
 }
 
-/// The distance of two segments, in metres, rounded.
+/// The distance of two segments, in metres, rounded in the same way; up to 1e-8 where they are nearly parallel.
 pub(crate) fn edge_edge_distance(first: [Point; 2], second: [Point; 2]) -> f64 {
-    certificate::distance(&edge_differences(first, second), edge_weights(first, second))
+    let differences = edge_differences(first, second);
+    let unit = unit(&differences);
+    let weights = edge_weights(first.map(|end| scaled(end, unit)), second.map(|end| scaled(end, unit)));
+    certificate::distance(&differences, weights)
+}
+
+/// A power of two by which products of four lengths neither under- nor overflow; nearly always 1.
+fn unit(differences: &[Point]) -> f64 {
+    let largest = differences.iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if !(largest > 0.0) || (1e-30..1e30).contains(&largest) {
+        return 1.0;
+    }
+    // The exponent alone, turned round.
+    f64::from_bits((2046 << 52) - (largest.to_bits() & (0x7ff << 52)))
+}
+
+fn scaled(point: Point, unit: f64) -> Point {
+    point.map(|value| value * unit)
 }
 
 fn edge_differences([a, b]: [Point; 2], [c, d]: [Point; 2]) -> [Point; 4] {

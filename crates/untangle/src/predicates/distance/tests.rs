@@ -172,3 +172,33 @@ fn decisions_at_the_ends_of_the_range_of_frames_are_exact() {
         assert!(is_vertex_nearer([0.0, 0.0, size], face, f64::MAX));
     }
 }
+
+#[test]
+fn distances_of_faces_with_corners_in_one_place_are_those_of_their_edges() {
+    let (a, b) = ([0.0; 3], [2.0, 0.0, 0.0]);
+    for size in [1.0, f64::from_bits((1023 - 248) << 52), f64::from_bits((1023 + 247) << 52)] {
+        let at = |place: Point| place.map(|value| value * size);
+        for face in [[a, a, b], [a, b, b], [a, b, a], [b, a, [1.0, 0.0, 0.0]]] {
+            assert_eq!(vertex_face_distance(at([1.5, 3.0, 0.0]), face.map(at)), 3.0 * size, "{face:?}");
+        }
+        // The nearest point lies within the long side of a needle.
+        let needle = [[0.0, 0.0, 1e-45], [2.0, 0.0, 2.0], [0.0, 1e-45, 0.0]].map(at);
+        let distance = vertex_face_distance(at([0.0, 1.0, 1.0]), needle) / size;
+        assert!((distance - 1.5_f64.sqrt()).abs() < 1e-15, "{distance}");
+        // Within a face of which a product of areas underflows.
+        let face = [a, b, [0.0, 2.0, 0.0]].map(at);
+        assert_eq!(vertex_face_distance(at([0.5, 0.5, 0.25]), face), 0.25 * size);
+    }
+}
+
+#[test]
+fn distances_of_slivers_and_nearly_parallel_edges_are_off_by_little() {
+    // The tip of a sliver, above which rounding takes the point to be over its longest side.
+    for width in [1e-3, 1e-6, 1e-8, 1e-9, 1e-12, 1e-15] {
+        let (tip, above) = ([0.5, width, 0.0], [0.5, 1.0, 0.0]);
+        let distance = vertex_face_distance(above, [[0.0; 3], [1.0, 0.0, 0.0], tip]);
+        assert!((distance - (1.0 - width)).abs() < 1e-15, "{width:e}: {distance}");
+        let crossed = edge_edge_distance([[0.0; 3], [1.0, 0.0, 0.0]], [[0.0, -width, 0.5], [1.0, width, 0.5]]);
+        assert!((crossed - 0.5).abs() < 1e-15, "{width:e}: {crossed}");
+    }
+}

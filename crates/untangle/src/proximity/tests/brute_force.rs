@@ -151,3 +151,19 @@ fn find_with_a_vertex_far_away_misses_none() {
         assert_eq!(ProximitySearch::default().nearest(&mesh, &frame).unwrap().distance_m.to_bits(), least.to_bits());
     }
 }
+
+#[test]
+fn find_beyond_the_range_of_single_precision_misses_none() {
+    // In units of the others the far vertex, and the distance, are too large for single precision.
+    let (mesh, frame) = scene(9, 1e-10, 0.0);
+    let mut positions: Vec<[f64; 3]> = frame.positions().iter().map(|point| (*point).into()).collect();
+    positions[52] = [9e29, 0.0, 0.0];
+    let frame = Frame::new(&mesh, &positions).unwrap();
+    for distance_m in [1e30, 8e29] {
+        let mut found = Vec::new();
+        ProximitySearch::default().find(&mesh, &frame, distance_m, usize::MAX, &mut found);
+        let is_nearer = |pair: &Primitives| pair.are_nearer(&mesh, &frame, distance_m);
+        let expected = all_pairs(&mesh).into_iter().filter(is_nearer).count();
+        assert_eq!(found.len(), expected, "{distance_m:e}");
+    }
+}

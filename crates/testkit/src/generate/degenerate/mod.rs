@@ -1,5 +1,7 @@
 //! Small cloths of every degenerate kind.
 
+pub mod small;
+
 use super::{Sheet, folded};
 
 fn flat(x: f64, y: f64) -> [f64; 3] {
