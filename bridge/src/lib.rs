@@ -21,4 +21,5 @@ pub mod metrics;
 pub mod net;
 pub mod options;
 mod throttle;
-pub mod wire;
+
+pub use untangled_bridge_wire as wire;

@@ -9,7 +9,7 @@
 
 use untangled_proto::{PositionF32, PositionF64, VertexCorrection, flags};
 
-use super::plain::{self, Plain};
+use crate::plain::{self, Plain};
 
 /// All elements.
 const FULL: u32 = 0;
