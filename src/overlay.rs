@@ -36,8 +36,16 @@ pub(crate) fn in_words(message: &str) -> String {
 /// The known name that is most like a given one, unless none is much like it.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     const LEAST: f64 = 0.75;
-    let likeness = known.into_iter().map(|other| (strsim::normalized_damerau_levenshtein(name, other), other));
+    let length = name.chars().count();
+    let known = known.into_iter().filter(|other| may_be_like(length, other.chars().count()));
+    let likeness = known.map(|other| (strsim::normalized_damerau_levenshtein(name, other), other));
     likeness.filter(|(likeness, _)| *likeness >= LEAST).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| other)
+}
+
+/// Whether names of these lengths can be alike in three of four characters, since each too many is a difference. The
+/// comparison takes memory and time that grow with both lengths, and peers send names of any length.
+fn may_be_like(one: usize, other: usize) -> bool {
+    one.abs_diff(other) <= one.max(other) / 4
 }
 
 #[cfg(test)]
@@ -64,5 +72,13 @@ mod tests {
         assert_eq!(nearest("path_ring", known), Some("path_rings"));
         assert_eq!(nearest("dealine_us", known), Some("deadline_us"));
         assert_eq!(nearest("gravity", known), None);
+        assert_eq!(nearest("response..", known), Some("response"));
+        assert_eq!(nearest("response...", known), None);
+    }
+
+    #[test]
+    fn names_far_longer_or_shorter_than_all_known_ones_are_not_compared() {
+        assert!(may_be_like(8, 10) && may_be_like(10, 8) && may_be_like(9, 12) && may_be_like(0, 0));
+        assert!(!may_be_like(8, 11) && !may_be_like(1 << 20, 20) && !may_be_like(0, 1));
     }
 }

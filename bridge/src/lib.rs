@@ -20,4 +20,5 @@ mod housekeeping;
 pub mod metrics;
 pub mod net;
 pub mod options;
-pub mod wire;
+
+pub use untangled_bridge_wire as wire;

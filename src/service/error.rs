@@ -1,6 +1,9 @@
 //! Why a daemon does not serve, and why it refuses a request.
 
+use std::fmt::Display;
+
 use thiserror::Error;
+use untangled_mesh_io::Printable;
 use untangled_proto::Status;
 use untangled_transport::{DomainError, lock::LockError};
 
@@ -54,10 +57,11 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    /// A refusal. A message of more than 1000 bytes, which can only repeat what a peer sent, is cut.
-    pub(crate) fn new(status: Status, message: impl ToString) -> Self {
+    /// A refusal: one line that a log and a terminal may show. A message of more than 1000 bytes, which can only repeat
+    /// what a peer sent, is cut.
+    pub(crate) fn new(status: Status, message: impl Display) -> Self {
         const LONGEST: usize = 1000;
-        let mut message = message.to_string();
+        let mut message = Printable(message).to_string();
         if message.len() > LONGEST {
             // Never in the middle of a character.
             let end = (0..=LONGEST).rev().find(|&end| message.is_char_boundary(end)).unwrap_or(0);
@@ -65,5 +69,18 @@ impl Refusal {
             message.push_str(" ...");
         }
         Self { status, message }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusal_is_one_line_that_a_terminal_may_show_and_is_not_longer_than_a_reply_has_room_for() {
+        let refusal = Refusal::new(Status::BadSettings, "there is no setting `\u{1b}[2J\n`");
+        assert_eq!(refusal.message, "there is no setting `\\u{1b}[2J\\n`");
+        let refusal = Refusal::new(Status::BadSettings, "\u{7}".repeat(1 << 20));
+        assert!(refusal.message.starts_with("\\u{7}\\u{7}") && refusal.message.len() <= 1004, "{}", refusal.message);
     }
 }

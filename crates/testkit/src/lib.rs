@@ -42,4 +42,5 @@ pub mod intake;
 
 pub mod fuzz;
 
+#[cfg(feature = "numerics")]
 pub mod numerics;

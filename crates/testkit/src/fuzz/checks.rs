@@ -8,7 +8,10 @@ use untangle::{
     respond::VertexFlags,
     untangler::Untangler,
 };
-use untangled_mesh_io::{MeshFile, Output, VertexCache, read_mesh};
+use untangled_mesh_io::{MeshFile, Output, Printable, VertexCache, read_mesh};
+
+/// No refusal quotes a file at length.
+const LONGEST_REFUSAL: usize = 1000;
 
 /// A mesh: its adjacency is consistent.
 pub(super) fn check_mesh(mesh: &Mesh) {
@@ -95,4 +98,12 @@ pub(super) fn check_stage(file: &MeshFile, cache: &VertexCache, path: &Path) {
     let mut layer = Vec::new();
     cache.write_layer(path, &cache.frames(), &mut points, &mut layer).expect("it is written to memory");
     assert!(layer.starts_with(b"#usda 1.0"));
+}
+
+/// The refusal of a file: one line that a terminal may show, which names the file and says more than that.
+pub(super) fn check_refusal(words: &str, path: &Path) {
+    let path = path.display().to_string();
+    assert_eq!(Printable(words).to_string(), words, "a refusal is one line that a terminal may show");
+    assert!(words.contains(&path) && words.len() > path.len() + 5, "a refusal names file and fault: {words}");
+    assert!(words.len() < path.len() + LONGEST_REFUSAL, "a refusal of {} bytes", words.len());
 }

@@ -1,6 +1,6 @@
 //! One fuzzer for all targets.
 
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -11,7 +11,6 @@ use untangle::{
     untangler::Untangler,
 };
 use untangled::service::ServeOptions;
-use untangled_mesh_io::{VertexCache, concatenate, read_mesh};
 use untangled_proto::{
     PositionF32, PositionF64, StateHeader,
     sections::{SectionWriter, id},
@@ -21,12 +20,15 @@ use untangled_transport::Domain;
 use crate::intake::{Positions, accept_state, read_registration, read_settings};
 
 use super::{
-    checks::{check_file, check_frame, check_mesh, check_stage},
-    damage::damage,
-    grid::grid,
-    mesh_files::{gltf, obj, ply, stl},
-    requests::{document, registration},
-    stages,
+    bytes,
+    checks::{check_frame, check_mesh},
+    inputs::{
+        damage::damage,
+        grid::grid,
+        mesh_files::{gltf, obj, ply, stl},
+        requests::{document, registration},
+        stages,
+    },
 };
 
 /// What the targets need, made once.
@@ -34,19 +36,9 @@ pub(super) struct Fuzzer {
     options: ServeOptions,
     frame: Frame,
     meshes: Vec<Untangler>,
-    file: PathBuf,
-}
-
-impl Drop for Fuzzer {
-    fn drop(&mut self) {
-        for extension in EXTENSIONS.into_iter().chain([STAGE]) {
-            let _ = std::fs::remove_file(self.file.with_extension(extension));
-        }
-    }
 }
 
 const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "stl"];
-const STAGE: &str = "usd";
 
 impl Fuzzer {
     pub(super) fn new() -> Self {
@@ -63,8 +55,7 @@ impl Fuzzer {
             untangler(grid(2), 9),
             untangler(grid(4), 25),
         ];
-        let name = format!("untangled-fuzz-{}-{:?}", std::process::id(), std::thread::current().id());
-        Self { options, frame: Frame::default(), meshes, file: PathBuf::from("/dev/shm").join(name) }
+        Self { options, frame: Frame::default(), meshes }
     }
 
     /// A frame; returns whether it was accepted.
@@ -152,7 +143,7 @@ impl Fuzzer {
     }
 
     /// A mesh file; returns whether it was accepted.
-    pub(super) fn mesh_file(&mut self, rng: &mut ChaCha8Rng) -> bool {
+    pub(super) fn mesh_file(rng: &mut ChaCha8Rng) -> bool {
         let extension = EXTENSIONS[rng.random_range(0..EXTENSIONS.len())];
         let mut bytes = match extension {
             "obj" => obj(rng),
@@ -164,25 +155,11 @@ impl Fuzzer {
         if rng.random_bool(0.7) {
             damage(rng, &mut bytes);
         }
-        let path = self.file.with_extension(extension);
-        std::fs::write(&path, &bytes).expect("there is room for a small file");
-        let Ok(file) = read_mesh(&path) else { return false };
-        check_file(&file, &bytes);
-        let Ok(world) = concatenate(std::slice::from_ref(&file)) else { return false };
-        let positions = world.positions.clone();
-        let Ok(mesh) = Mesh::new(world.description) else { return false };
-        check_mesh(&mesh);
-        if self.frame.set(&mesh, positions.into_iter()).is_ok() {
-            check_frame(
-                &mut Untangler::new(Arc::new(mesh), Settings::default()).expect("defaults are valid"),
-                &self.frame,
-            );
-        }
-        true
+        bytes::mesh_file(extension, &bytes)
     }
 
     /// A stage of USD; returns whether it was accepted.
-    pub(super) fn stage(&mut self, rng: &mut ChaCha8Rng) -> bool {
+    pub(super) fn stage(rng: &mut ChaCha8Rng) -> bool {
         let mut bytes = match rng.random_range(0..4) {
             0 => stages::QUADS_BINARY.to_vec(),
             1 => stages::QUADS_ARCHIVE.to_vec(),
@@ -191,10 +168,6 @@ impl Fuzzer {
         if rng.random_bool(0.7) {
             damage(rng, &mut bytes);
         }
-        let path = self.file.with_extension(STAGE);
-        std::fs::write(&path, &bytes).expect("there is room for a small file");
-        let Ok((file, cache)) = VertexCache::open_usd(&path, "/world") else { return false };
-        check_stage(&file, &cache, &path);
-        true
+        bytes::usd(&bytes)
     }
 }

@@ -10,7 +10,7 @@
 //!
 //! All that a host may send begins with `untangled/1/*/HOST/`, so that one rule of access control holds it.
 
-use super::BRIDGE_VERSION;
+use crate::BRIDGE_VERSION;
 
 /// Longest name of an end in bytes.
 pub const MAX_NAME_BYTES: usize = 64;

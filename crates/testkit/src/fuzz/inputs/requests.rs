@@ -29,7 +29,7 @@ const VALUES: [(&str, &[&str]); 15] = [
 ];
 
 /// A registration that is valid more often than not.
-pub(super) fn registration(rng: &mut ChaCha8Rng) -> (Vec<u8>, u32) {
+pub(in crate::fuzz) fn registration(rng: &mut ChaCha8Rng) -> (Vec<u8>, u32) {
     let n = rng.random_range(1..4u32);
     let num_vertices = ((n + 1) * (n + 1)) as usize;
     let mut faces = grid(n);
@@ -72,7 +72,7 @@ pub(super) fn registration(rng: &mut ChaCha8Rng) -> (Vec<u8>, u32) {
 }
 
 /// A settings document that is valid more often than not.
-pub(super) fn document(rng: &mut ChaCha8Rng) -> Vec<u8> {
+pub(in crate::fuzz) fn document(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let mut fields = Vec::new();
     for (name, values) in VALUES {
         if rng.random_bool(0.2) {

@@ -7,7 +7,7 @@
 //! Layout, little-endian: form `u32`, number of the set of pins `u32`, number of entries `u32`, zero `u32`; in form
 //! 3 (a new set of pins) a bit for each element, in bytes; entries of an index `u32` and an element, or all elements.
 
-use super::{element::Element, plain};
+use crate::{element::Element, plain};
 
 /// All elements.
 const FULL: u32 = 0;

@@ -1,6 +1,6 @@
 //! Envelopes of what a session's ends send to each other.
 
-use super::BRIDGE_VERSION;
+use crate::BRIDGE_VERSION;
 
 /// Bytes of an envelope: version `u16`, kind `u16`, zero `u32`, link `u64`, sequence `u64`, all little-endian.
 pub const ENVELOPE_BYTES: usize = 24;

@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use super::grid::grid;
 
 /// Stages that usd-core wrote; those of the tests of `mesh-io`.
-pub(super) const QUADS_BINARY: &[u8] = include_bytes!("../../../mesh-io/src/tests/data/quads.usdc");
-pub(super) const QUADS_ARCHIVE: &[u8] = include_bytes!("../../../mesh-io/src/tests/data/quads.usdz");
+pub(in crate::fuzz) const QUADS_BINARY: &[u8] = include_bytes!("../../../../mesh-io/src/tests/data/quads.usdc");
+pub(in crate::fuzz) const QUADS_ARCHIVE: &[u8] = include_bytes!("../../../../mesh-io/src/tests/data/quads.usdz");
 
 fn number(rng: &mut ChaCha8Rng) -> String {
     match rng.random_range(0..30) {
@@ -37,7 +37,7 @@ fn metadata(rng: &mut ChaCha8Rng) -> &'static str {
 }
 
 /// A text stage with a mesh below transforms, and prims that bring others in.
-pub(super) fn text(rng: &mut ChaCha8Rng) -> Vec<u8> {
+pub(in crate::fuzz) fn text(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let n = rng.random_range(1..3u32);
     let faces = grid(n);
     let corners: Vec<String> = faces.iter().flatten().map(u32::to_string).collect();

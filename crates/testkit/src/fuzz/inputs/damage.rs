@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// Changes some bytes, or cuts, repeats or moves some.
-pub(super) fn damage(rng: &mut ChaCha8Rng, bytes: &mut Vec<u8>) {
+pub(in crate::fuzz) fn damage(rng: &mut ChaCha8Rng, bytes: &mut Vec<u8>) {
     for _ in 0..rng.random_range(1..5) {
         if bytes.is_empty() {
             return;

@@ -2,7 +2,7 @@
 
 use untangled_proto::{PositionF32, PositionF64, VertexCorrection, flags};
 
-use super::plain::{self, Plain};
+use crate::plain::{self, Plain};
 
 /// Elements that may be at rest.
 pub trait Element: Plain {

@@ -17,7 +17,7 @@ fn number(rng: &mut ChaCha8Rng) -> String {
 }
 
 /// OBJ text.
-pub(super) fn obj(rng: &mut ChaCha8Rng) -> Vec<u8> {
+pub(in crate::fuzz) fn obj(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let n = rng.random_range(1..4u32);
     let mut text = String::from("# a sheet\nmtllib a.mtl\no sheet\n");
     for _ in 0..(n + 1) * (n + 1) {
@@ -39,7 +39,7 @@ pub(super) fn obj(rng: &mut ChaCha8Rng) -> Vec<u8> {
 }
 
 /// PLY, as text or binary, in either byte order and precision.
-pub(super) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
+pub(in crate::fuzz) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let n = rng.random_range(1..4u32);
     let faces = grid(n);
     let (kind, big) =
@@ -88,7 +88,7 @@ pub(super) fn ply(rng: &mut ChaCha8Rng) -> Vec<u8> {
 }
 
 /// STL, as text or binary; some corners of one vertex are in other places, some facets have no area.
-pub(super) fn stl(rng: &mut ChaCha8Rng) -> Vec<u8> {
+pub(in crate::fuzz) fn stl(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let n = rng.random_range(1..4u32);
     let places: Vec<[String; 3]> = (0..(n + 1) * (n + 1)).map(|_| std::array::from_fn(|_| number(rng))).collect();
     let mut facets: Vec<[[String; 3]; 3]> =
@@ -123,7 +123,7 @@ pub(super) fn stl(rng: &mut ChaCha8Rng) -> Vec<u8> {
 }
 
 /// glTF with its buffer in the document, or GLB.
-pub(super) fn gltf(rng: &mut ChaCha8Rng, binary: bool) -> Vec<u8> {
+pub(in crate::fuzz) fn gltf(rng: &mut ChaCha8Rng, binary: bool) -> Vec<u8> {
     let n = rng.random_range(1..3u32);
     let (num_vertices, faces) = ((n + 1) * (n + 1), grid(n));
     let mut data: Vec<u8> = Vec::new();

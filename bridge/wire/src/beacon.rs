@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use untangled_proto::{ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION};
 
-use super::BRIDGE_VERSION;
+use crate::BRIDGE_VERSION;
 
 /// Time between two beacons.
 pub const INTERVAL: Duration = Duration::from_millis(250);

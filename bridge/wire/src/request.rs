@@ -6,7 +6,7 @@
 
 use untangled_proto::{ReplyHeader, RequestHeader};
 
-use super::{BRIDGE_VERSION, plain};
+use crate::{BRIDGE_VERSION, plain};
 
 const FRONT_BYTES: usize = 16;
 
