@@ -69,7 +69,7 @@ class Progress:
     contour_length: float
     """Length of all paths in metres."""
     method: str
-    """What moved the cloth: rbf, push, contour, straighten, settle or gap."""
+    """What moved the cloth: rbf, push, contour, nudge, straighten, settle or gap."""
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,18 @@
 //! | `escape` | the nearest plan: sheets leave each other by the shortest motions |
 //! | `resolve` | iterations of trial displacements |
 //! | `nudge` | single vertices, for the little that is left |
+//! | `attempt` | these three from the input, one where the other ends stuck |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
+//! | `alternatives` | other attempts where the first ended far from the input |
 //! | `solver` | all plans, one after the other |
 //! | `clearance` | primitives that are nearer than a gap are set apart |
 //! | `proposal` | what one frame proposes as a displacement, judged before it goes out |
 //!
 //! A row uses those above it only.
 
+mod alternatives;
+mod attempt;
 mod clearance;
 mod constraints;
 mod energy;
@@ -52,8 +56,11 @@ pub use settings::{Effort, RelaxSettings};
 /// `progress` is called after each iteration and may end the work; the best state so far is returned then. See
 /// [`relax_until`] for an end within an iteration.
 ///
+/// Where the first attempt took a long way, and ended far from the input, others are made from the input, side by side,
+/// and the end that costs least is kept, with its history. These tell `progress` nothing.
+///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
-/// over the vertices near the intersections.
+/// over the vertices near the intersections. There are up to six other attempts.
 ///
 /// # Errors
 /// [`RelaxError`] for positions that no frame accepts.

@@ -24,6 +24,8 @@ pub enum Method {
     /// The flattening flow, where no trial helped, or the shape recovery after it. Named `straighten` in files.
     #[serde(rename = "straighten")]
     Flatten,
+    /// Single vertices, or two neighbours, stepped out of what they pierced.
+    Nudge,
     /// Primitives that were nearer than the gap were set apart.
     Gap,
     /// Shape recovery: a step towards the rest shape, with nothing left to resolve. Named `settle` in files.

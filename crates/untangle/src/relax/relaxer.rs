@@ -198,6 +198,12 @@ impl<'a> Relaxer<'a> {
         choose_together(&seams, &self.trials, choose)
     }
 
+    /// The farthest that a vertex is from its place in the input, in metres.
+    pub(super) fn largest_displacement_m(&self) -> f64 {
+        let pairs = self.frame.positions().iter().zip(self.rest.positions());
+        pairs.map(|(now, input)| (now - input).norm()).fold(0.0, f64::max)
+    }
+
     /// Notes the analysed state after an iteration.
     pub(super) fn report(&mut self, method: Method, progress: &mut Progress<'_>) -> ControlFlow<()> {
         let analysis = self.analyser.last();

@@ -8,7 +8,7 @@ use crate::stage::{Stage, StageObserver};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Effort {
-    /// One stiffness, until progress stalls.
+    /// One stiffness, until progress stalls, and one attempt.
     Fast,
     /// Three stiffnesses.
     #[default]
@@ -36,7 +36,7 @@ impl StageObserver for StopObserver<'_> {
 pub struct RelaxSettings {
     /// Time against result.
     pub effort: Effort,
-    /// Gives up after this many iterations.
+    /// Gives up after this many iterations: each attempt, where there are several.
     pub max_iterations: usize,
     /// Whether positions are rounded to single precision in each state, for files that hold no more.
     pub single_precision: bool,

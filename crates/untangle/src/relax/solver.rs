@@ -3,19 +3,17 @@
 use nalgebra::Point3;
 
 use super::{
-    constraints::Objective,
-    escape::descend,
+    alternatives::{are_allowed, is_far, take_least},
+    attempt::attempt,
+    escape::DescentVariant,
     flattening::flatten,
-    nudge::nudge,
     outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
-    plan::{
-        Largest, Pace, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths,
-    },
+    plan::{Largest, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths},
     relaxer::{Progress, Relaxer},
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
     settle::settle,
-    step::are_faces_pinned,
+    step::total,
 };
 use crate::{
     analysis::Analysis,
@@ -40,32 +38,18 @@ pub(super) fn run(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
     let largest = analyse_input(&mut relaxer);
-    let mut end = escape(&mut relaxer, largest, &mut best, progress)?;
-    let plans = match end {
-        End::Stuck if relaxer.is_on_wrong_side_only() => plans_without_paths(),
-        End::Stuck => plans(largest),
-        _ => Vec::new(),
-    };
-    for plan in plans {
-        if let Plan::Resolve { inside, .. } = plan {
-            relaxer.analysis_settings.inside = inside;
-        }
-        relaxer.set_frame(&input)?;
-        end = match plan {
-            Plan::Resolve { objective, pace, .. } => {
-                let stall = StallCriterion::with(largest.num_edge_face, pace);
-                resolve(&mut relaxer, objective, pace, stall, &mut best, progress)?
-            }
-            Plan::Flatten => flatten_if_it_pays(&mut relaxer, &mut best, progress)?,
-        };
-        if end != End::Stuck {
-            break;
-        }
+    let (mut end, is_first) = attempts(&mut relaxer, largest, &mut best, progress)?;
+    if end == End::Stuck {
+        end = run_plans(&mut relaxer, largest, &mut best, progress)?;
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
+        if !interrupted && is_first && are_allowed(&relaxer, largest) && is_far(&relaxer) {
+            take_least(&mut relaxer, largest, true)?;
+            interrupted = should_stop();
+        }
         relaxer.analyse();
     }
     let blocked = blocked_paths(mesh, &relaxer.final_paths(), end, largest.is_crowded());
@@ -75,6 +59,57 @@ pub(super) fn run(
     };
     let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
     Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
+}
+
+/// The first attempt, and the others where that leaves little. How it ended, and whether clean at the first.
+fn attempts(
+    relaxer: &mut Relaxer<'_>,
+    largest: Largest,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<(End, bool), RelaxError> {
+    if largest.is_crowded() && relaxer.sides.is_none() {
+        return Ok((End::Stuck, false));
+    }
+    let tangle = total(&relaxer.now).merit();
+    let end = attempt(relaxer, largest.num_edge_face, DescentVariant::FIRST, best, progress)?;
+    if end == End::Stuck && best.merit < FAR_LESS * tangle && are_allowed(relaxer, largest) {
+        relaxer.set_frame(&best.positions)?;
+        if take_least(relaxer, largest, false)? {
+            *best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
+            return Ok((End::Clean, false));
+        }
+    }
+    Ok((end, end == End::Clean))
+}
+
+/// One plan from the input after the other, until one does not end stuck.
+fn run_plans(
+    relaxer: &mut Relaxer<'_>,
+    largest: Largest,
+    best: &mut BestState,
+    progress: &mut Progress<'_>,
+) -> Result<End, RelaxError> {
+    let input = relaxer.rest.positions().to_vec();
+    let plans = if relaxer.is_on_wrong_side_only() { plans_without_paths() } else { plans(largest) };
+    let mut end = End::Stuck;
+    for plan in plans {
+        if let Plan::Resolve { inside, .. } = plan {
+            relaxer.analysis_settings.inside = inside;
+        }
+        relaxer.set_frame(&input)?;
+        end = match plan {
+            Plan::Resolve { objective, pace, .. } => {
+                let stall = StallCriterion::with(largest.num_edge_face, pace);
+                resolve(relaxer, objective, pace, stall, best, progress)?
+            }
+            Plan::Flatten => flatten_if_it_pays(relaxer, best, progress)?,
+        };
+        if end != End::Stuck {
+            break;
+        }
+    }
+    Ok(end)
 }
 
 /// Flattening moves everything. What it leaves is kept only where it is clean, or far less tangled than the best state
@@ -90,59 +125,6 @@ fn flatten_if_it_pays(
         *best = flattened;
     }
     Ok(end)
-}
-
-/// Whether most of what intersects meets pinned faces: a body that stays. The shortest motion out of it may lead
-/// through it, while the regions of the paths show on which side the cloth belongs. A mesh with bodies knows
-/// that of them.
-fn is_against_pins(relaxer: &Relaxer<'_>) -> bool {
-    if relaxer.sides.is_some() {
-        return false;
-    }
-    let segments = &relaxer.analyser.last().intersections.segments;
-    let meets_pins = |segment: &&Segment| segment.faces.iter().any(|&face| are_faces_pinned(relaxer.mesh, [face]));
-    2 * segments.iter().filter(meets_pins).count() > segments.len()
-}
-
-/// The nearest plan: a descent by local motions, and trials from where it ends stuck. Against a body that stays trials
-/// come first.
-fn escape(
-    relaxer: &mut Relaxer<'_>,
-    largest: Largest,
-    best: &mut BestState,
-    progress: &mut Progress<'_>,
-) -> Result<End, RelaxError> {
-    if largest.is_crowded() && relaxer.sides.is_none() {
-        return Ok(End::Stuck);
-    }
-    if is_against_pins(relaxer) {
-        let input = relaxer.frame.positions().to_vec();
-        let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
-        let end = resolve(relaxer, Objective::Normal, Pace::Usual, stall, best, progress)?;
-        if end != End::Stuck {
-            return Ok(end);
-        }
-        relaxer.set_frame(&input)?;
-    }
-    let mut end = descend(relaxer, best, progress)?;
-    if end == End::Stuck && relaxer.sides.is_some() {
-        relaxer.set_frame(&best.positions)?;
-        if relaxer.hangs_on_pins() {
-            // Nothing else waits for it, or goes without recovery.
-            return Ok(End::Clean);
-        }
-    }
-    for objective in [Objective::Normal, Objective::Target] {
-        if end == End::Stuck {
-            relaxer.set_frame(&best.positions)?;
-            let stall = StallCriterion::with(largest.num_edge_face, Pace::Usual);
-            end = resolve(relaxer, objective, Pace::Usual, stall, best, progress)?;
-        }
-        if relaxer.is_on_wrong_side_only() {
-            return Ok(end);
-        }
-    }
-    if end == End::Stuck { nudge(relaxer, best, progress) } else { Ok(end) }
 }
 
 /// Analyses the input. Gives back what there is to know about the island of paths that has most.

@@ -6,11 +6,12 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{
-    candidate::{Candidate, Context, Recipe},
+    candidate::{Candidate, Context},
     limits::LimitedStep,
     motion::{ContourSegment, Motion, MotionFinder, Scene, contours},
     rows::Rows,
     score::{Score, add_moved},
+    variant::{DescentVariant, Stage},
 };
 use crate::{
     analysis::Analysis,
@@ -44,29 +45,17 @@ const STALLED: usize = 2;
 /// States with fewer edge-face intersections get more candidates.
 const FEW: usize = 400;
 
-/// Edges that change their length by more than this factor get stiffer, but where nothing else brings what is on the
-/// wrong side to the other.
-const MAX_STRETCH: f64 = 1.05;
-
-/// The candidates of an iteration, by constraints and stiffness; the root of that is the length, in edges, over which a
-/// displacement decays. The first are for all states, the next for those with few intersections, the last for those
-/// that are stalled.
-const RECIPES: [[(Rows, f64); 3]; 3] = [
-    [(Rows::Wide, 16.0), (Rows::Wide, 256.0), (Rows::Wide, 4096.0)],
-    [(Rows::Narrow, 1.0), (Rows::Narrow, 16.0), (Rows::Narrow, 256.0)],
-    [(Rows::Shorten, 1.0), (Rows::Shorten, 16.0), (Rows::Shorten, 256.0)],
-];
-
 /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
 ///
 /// Cost: an iteration takes three to nine displacements, in parallel; each has some factorisations of a sparse system
 /// over the vertices near the intersections, and up to three searches for intersections.
 pub(in crate::relax) fn descend(
     relaxer: &mut Relaxer<'_>,
+    variant: DescentVariant,
     best: &mut BestState,
     progress: &mut Progress<'_>,
 ) -> Result<End, RelaxError> {
-    let mut descent = Descent::default();
+    let mut descent = Descent::of(variant);
     // The least merit, and the iteration that reached it.
     let mut least = (f64::INFINITY, 0);
     for iteration in 0.. {
@@ -103,8 +92,8 @@ pub(in crate::relax) fn descend(
 }
 
 /// The state of a descent.
-#[derive(Default)]
 struct Descent {
+    variant: DescentVariant,
     intersector: Intersector,
     path_finder: PathFinder,
     /// Without regions, which are not needed here.
@@ -125,8 +114,27 @@ struct Descent {
 }
 
 impl Descent {
+    fn of(variant: DescentVariant) -> Self {
+        Self {
+            variant,
+            intersector: Intersector::default(),
+            path_finder: PathFinder::default(),
+            analysis: Analysis::default(),
+            motions: Vec::new(),
+            now: Vec::new(),
+            num_wrong: 0,
+            sides: SideRows::default(),
+            constraints: Default::default(),
+            candidates: Vec::new(),
+            limited: LimitedStep::default(),
+            edge_length_m: 0.0,
+            stalled: 0,
+        }
+    }
+
     /// Finds the contours of the present state, their motions and islands, and how good it is.
     fn look(&mut self, relaxer: &mut Relaxer<'_>) {
+        let way = self.way();
         let Analysis { intersections, paths, regions } = &mut self.analysis;
         let Relaxer { mesh, frame, islands, domain, sides, .. } = relaxer;
         self.intersector.intersect(mesh, frame, intersections);
@@ -145,7 +153,7 @@ impl Descent {
         }
         self.num_wrong = wrong.len();
         let scene = Scene { mesh, frame, orientation: &relaxer.orientation, found: intersections };
-        let motions = find_motions(&scene, paths, sides.as_ref(), self.stalled.saturating_sub(STALLED - 1));
+        let motions = find_motions(&scene, paths, sides.as_ref(), way);
         let depth = motions.iter().map(|motion| motion.depth_m / motion.edge_length_m);
         let depth = depth.fold(self.sides.depth_edges(), f64::max);
         let rings = DOMAIN_RINGS + whole((RINGS_FOR_DEPTH * depth).min(MAX_DOMAIN_RINGS));
@@ -160,6 +168,11 @@ impl Descent {
             self.motions.push((motion, island));
         }
         self.judge(relaxer);
+    }
+
+    /// Which of the ways out is taken: others than the shortest where that does not help.
+    fn way(&self) -> usize {
+        self.variant.way + self.stalled.saturating_sub(STALLED - 1)
     }
 
     /// Judges the present state.
@@ -180,9 +193,15 @@ impl Descent {
     /// Runs the candidates and takes the best for each island.
     fn step(&mut self, relaxer: &Relaxer<'_>, rest_weight: f64) -> Vec<Point3<f64>> {
         for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
-            rows.collect(relaxer, &self.analysis, &self.motions, &self.sides, constraints);
+            rows.collect(relaxer, &self.analysis, &self.motions, &self.sides, self.variant.part, constraints);
         }
-        let recipes = self.recipes(relaxer.settings.effort);
+        let has_few = self.analysis.intersections.edge_face.len() < FEW;
+        let recipes = self.variant.recipes(&Stage {
+            has_few: has_few && relaxer.settings.effort != Effort::Fast,
+            is_stalled: self.stalled >= STALLED,
+            // A belt in a ball gets out by stretching.
+            may_stretch: self.num_wrong > 0 && self.stalled > 0,
+        });
         self.candidates.resize_with(recipes.len(), Candidate::default);
         let Relaxer { mesh, frame, rest, domain, islands, limits, settings, .. } = relaxer;
         let context = Context {
@@ -213,26 +232,6 @@ impl Descent {
         let mut positions = Vec::new();
         self.limited.make(context.energy, islands, &displacement, settings.single_precision, &mut positions);
         positions
-    }
-
-    fn recipes(&self, effort: Effort) -> Vec<Recipe> {
-        let has_few = effort != Effort::Fast && self.analysis.intersections.edge_face.len() < FEW;
-        let [for_all, for_few, for_stalled] = RECIPES;
-        let mut recipes = for_all.to_vec();
-        if has_few {
-            recipes.extend(for_few);
-        }
-        if self.stalled >= STALLED {
-            recipes.extend(for_stalled);
-        }
-        let recipe = |(rows, stiffness)| Recipe { rows, stiffness, max_stretch: MAX_STRETCH };
-        let mut recipes: Vec<Recipe> = recipes.into_iter().map(recipe).collect();
-        if self.num_wrong > 0 && self.stalled > 0 {
-            // A belt in a ball gets out by stretching.
-            let loose = |(rows, stiffness)| Recipe { rows, stiffness, max_stretch: f64::INFINITY };
-            recipes.extend(for_all.map(loose));
-        }
-        recipes
     }
 
     /// The best candidate for an island, the first of equals; nothing for one that is not tangled.

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `motion` | the shortest way in which the two sheets of a contour leave each other |
 //! | `rows` | the constraints of one iteration |
+//! | `variant` | descents that differ in how they go |
 //! | `limits` | strain that no step may go beyond |
 //! | `score` | how good a state is |
 //! | `candidate` | one displacement field, made within the limits and judged |
@@ -18,6 +19,8 @@ mod rows;
 mod score;
 #[cfg(test)]
 pub(super) mod tests;
+mod variant;
 
 pub(super) use descent::descend;
 pub(super) use limits::ShapeLimits;
+pub(super) use variant::DescentVariant;

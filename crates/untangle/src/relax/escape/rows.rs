@@ -34,13 +34,15 @@ impl Rows {
     /// All of them, in the order of their constraints.
     pub(super) const ALL: [Self; 3] = [Self::Wide, Self::Narrow, Self::Shorten];
 
-    /// Replaces constraints by those for some motions, and adds those of bodies.
+    /// Replaces constraints by those for some motions, of which `part` is made in one iteration, and adds those of
+    /// bodies.
     pub(super) fn collect(
         self,
         relaxer: &Relaxer<'_>,
         analysis: &Analysis,
         motions: &[(Motion, usize)],
         sides: &SideRows,
+        part: f64,
         constraints: &mut Constraints,
     ) {
         let gap = match self {
@@ -60,7 +62,7 @@ impl Rows {
         for (motion, _) in motions {
             for separation in &motion.separations {
                 let whole_m = separation.behind_m + gap * motion.edge_length_m;
-                let wanted_m = whole_m.min((SHORT * motion.edge_length_m).max(PART * whole_m));
+                let wanted_m = part * whole_m.min((SHORT * motion.edge_length_m).max(PART * whole_m));
                 constraints.separate(&separation.own, &separation.partner, motion.direction, wanted_m);
             }
         }

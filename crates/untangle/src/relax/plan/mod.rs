@@ -53,6 +53,11 @@ pub(super) struct Largest {
 }
 
 impl Largest {
+    /// Whether iterations take seconds.
+    pub(super) fn is_large(self) -> bool {
+        self.num_edge_face > LARGE
+    }
+
     /// Whether it is so large, of so many paths, that trials hardly help: a crumple, or surfaces that nearly coincide.
     pub(super) fn is_crowded(self) -> bool {
         self.is_copy && self.num_edge_face > LARGE || is_beyond_trials(self.num_edge_face) && self.num_pairs > MAX_PATHS

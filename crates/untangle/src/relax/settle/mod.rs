@@ -9,11 +9,13 @@
 //! | file | purpose |
 //! |---|---|
 //! | `contacts` | primitives that are near each other, and how near they may come |
+//! | `pull` | how strongly places and shapes are drawn back to those of the input |
 //! | `taper` | displacements that end: what moved by next to nothing goes back to where it was |
 //!
 //! A row uses those above it only.
 
 mod contacts;
+mod pull;
 mod taper;
 #[cfg(test)]
 mod tests;
@@ -21,13 +23,13 @@ mod tests;
 use nalgebra::Point3;
 
 use super::{
-    energy::ArapEnergy,
     outcome::{Method, RelaxError},
     relaxer::{Progress, Relaxer},
     step::{CollisionFreeStep, DisplacementSolver, SolverBudget, Start},
 };
 use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
+pub(super) use pull::Pull;
 use taper::{largest_strain, taper};
 
 /// Width of the k-ring round what is still tangled that stays as it is.
@@ -36,16 +38,6 @@ const LEFT_RINGS: usize = 3;
 const MAX_STEPS: usize = 40;
 /// Ends where two steps take away less than this part of the energy.
 const MIN_GAIN: f64 = 0.02;
-/// Most weight of the elastic energy beside the step: its root is the length, in edges, over which a displacement
-/// decays. Where a weaker pull is enough for the strain below, the pull gets weaker and not this larger.
-const MAX_STIFFNESS: f64 = 1280.0;
-/// Least weight, for displacements far below an edge.
-const MIN_STIFFNESS: f64 = 16.0;
-/// The part of it that keeps lengths of edges only.
-const MEMBRANE: f64 = 0.98;
-/// Strain that the pull towards the input may cost: the largest displacement is spread over a length of which it is
-/// this part.
-const STRAIN: f64 = 0.03;
 /// Primitives up to so many mean edge lengths from each other are contacts.
 const REACH: f64 = 1.0;
 /// Longest displacement of a step as a part of that: two primitives come no nearer than half of their distance.
@@ -115,11 +107,9 @@ fn recover(relaxer: &mut Relaxer<'_>, progress: &mut Progress<'_>) -> Result<boo
 }
 
 /// What stays the same from step to step, with its memory.
-#[derive(Default)]
 struct Settling {
     edge_length_m: f64,
-    stiffness: f64,
-    anchor: f64,
+    pull: Pull,
     contacts: Contacts,
     solver: DisplacementSolver,
 }
@@ -129,23 +119,20 @@ impl Settling {
         let Relaxer { frame, rest, domain, .. } = relaxer;
         let moved_m = |&vertex: &VertexId| (frame.position(vertex) - rest.position(vertex)).norm();
         let largest_m = domain.vertices().iter().map(moved_m).fold(0.0, f64::max);
-        let length_edges = largest_m / (STRAIN * edge_length_m);
-        let square = (length_edges * length_edges).max(MIN_STIFFNESS);
-        let stiffness = square.min(MAX_STIFFNESS);
-        Self { edge_length_m, stiffness, anchor: stiffness / square, ..Self::default() }
+        let pull = Pull::of(largest_m, edge_length_m);
+        Self { edge_length_m, pull, contacts: Contacts::default(), solver: DisplacementSolver::default() }
     }
 
     /// One step that lowers the energy, and the energy after it. Sets `before` to the energy before it, if that is not
     /// yet known.
     fn step(&mut self, relaxer: &Relaxer<'_>, trust: f64, before: &mut f64) -> Option<(Vec<Point3<f64>>, f64)> {
         let Relaxer { mesh, frame, rest, domain, settings, .. } = relaxer;
-        let energy =
-            ArapEnergy { mesh, frame, rest, domain, rest_weight: 1.0, membrane: MEMBRANE, anchor: self.anchor };
+        let energy = self.pull.energy(mesh, frame, rest, domain);
         let reach_m = self.find_contacts(relaxer)?;
         self.solver.budget = BUDGET;
         if !self.solver.solve(
             &energy,
-            self.stiffness,
+            self.pull.stiffness,
             f64::INFINITY,
             &self.contacts.rows,
             Start::Cold,
@@ -165,9 +152,9 @@ impl Settling {
             return None;
         }
         if before.is_infinite() {
-            *before = energy.value(self.stiffness, frame.positions());
+            *before = energy.value(self.pull.stiffness, frame.positions());
         }
-        let after = energy.value(self.stiffness, &positions);
+        let after = energy.value(self.pull.stiffness, &positions);
         let strain = |positions: &[Point3<f64>]| largest_strain(relaxer, positions).max(MAX_STRAIN);
         (after < *before && strain(&positions) <= strain(frame.positions())).then_some((positions, after))
     }
