@@ -1,5 +1,5 @@
-// Builds built/page.js and built/page.css, which src/cli/html takes into the program. Same sources and lock file, same
-// bytes. `node build.mjs FOLDER` writes into another folder, to compare.
+// Builds the script and the style of both pages, which src/cli/html and src/cli/watch take into the program, into
+// built. Same sources and lock file, same bytes. `node build.mjs FOLDER` writes into another folder, to compare.
 import { build } from "esbuild";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
@@ -7,8 +7,26 @@ import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2] ?? join(here, "built");
-const licence = await readFile(join(here, "node_modules/three/LICENSE"), "utf8");
-const notice = `/*!\nThis script contains three.js, https://threejs.org:\n\n${licence.trim()}\n*/\n`;
+const PAGES = [
+  { name: "page", script: "src/main.ts", libraries: [["three.js", "https://threejs.org", "three"]] },
+  {
+    name: "watch",
+    script: "src/watch/main.ts",
+    libraries: [
+      ["three.js", "https://threejs.org", "three"],
+      ["uPlot", "https://github.com/leeoniya/uPlot", "uplot"],
+    ],
+  },
+];
+
+/** The licences of libraries, as a comment. */
+async function notice(libraries) {
+  const parts = libraries.map(async ([name, address, folder]) => {
+    const licence = await readFile(join(here, "node_modules", folder, "LICENSE"), "utf8");
+    return `This script contains ${name}, ${address}:\n\n${licence.trim()}\n`;
+  });
+  return `/*!\n${(await Promise.all(parts)).join("\n")}*/\n`;
+}
 
 const shared = {
   bundle: true,
@@ -19,23 +37,25 @@ const shared = {
   logLevel: "warning",
   absWorkingDir: here,
 };
-const script = await build({
-  ...shared,
-  entryPoints: ["src/main.ts"],
-  format: "iife",
-  target: ["es2022"],
-  define: { __THREE_DEVTOOLS__: "undefined" },
-});
-const style = await build({
-  ...shared,
-  entryPoints: ["src/page.css"],
-  target: ["chrome120", "firefox121", "safari17"],
-});
-const text = script.outputFiles[0].text;
-// The browser would take these for the end of the script, or for a comment.
-for (const end of ["</script", "<!--", "<script"]) {
-  if (text.toLowerCase().includes(end)) throw new Error(`the script contains ${end}`);
-}
 await mkdir(out, { recursive: true });
-await writeFile(join(out, "page.js"), notice + text);
-await writeFile(join(out, "page.css"), style.outputFiles[0].text);
+for (const { name, script, libraries } of PAGES) {
+  const built = await build({
+    ...shared,
+    entryPoints: [script],
+    format: "iife",
+    target: ["es2022"],
+    define: { __THREE_DEVTOOLS__: "undefined" },
+  });
+  const style = await build({
+    ...shared,
+    entryPoints: [`src/${name}.css`],
+    target: ["chrome123", "firefox121", "safari17.5"],
+  });
+  const text = built.outputFiles[0].text;
+  // The browser would take these for the end of the script, or for a comment.
+  for (const end of ["</script", "<!--", "<script"]) {
+    if (text.toLowerCase().includes(end)) throw new Error(`the script contains ${end}`);
+  }
+  await writeFile(join(out, `${name}.js`), (await notice(libraries)) + text);
+  await writeFile(join(out, `${name}.css`), style.outputFiles[0].text);
+}

@@ -4,6 +4,7 @@
 
 pub mod cli;
 pub mod config;
+mod http;
 mod overlay;
 pub mod service;
 pub mod telemetry;

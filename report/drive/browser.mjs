@@ -1,4 +1,4 @@
-// Headless Chromium with a page open. CHROMIUM names the program where it is not where Debian has it.
+// Headless Chromium. CHROMIUM names the program where it is not where Debian has it.
 import { existsSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -12,10 +12,10 @@ export function program() {
 }
 
 /**
- * Opens a page from disk and waits until it is drawn. `complaints` gets what it logs as an error, and every request
- * that is not for the file itself. `processorSeconds` is asked before and after.
+ * A browser with an empty tab. `complaints` gets what a page logs as an error, and every request that does not begin
+ * with `own`.
  */
-export async function open(file, { width, height }, processorSeconds = () => NaN) {
+export async function launch(own, { width, height }) {
   const browser = await chromium.launch({
     executablePath: program(),
     headless: true,
@@ -33,21 +33,55 @@ export async function open(file, { width, height }, processorSeconds = () => NaN
   });
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
-  const address = pathToFileURL(resolve(file)).href;
   tab.on("pageerror", (error) => complaints.push(String(error)));
   tab.on("console", (message) => {
     if (message.type() === "error") complaints.push(message.text());
   });
   tab.on("request", (request) => {
     const url = request.url();
-    if (url !== address && !url.startsWith("data:") && !url.startsWith("blob:")) complaints.push(`fetches ${url}`);
+    const isOwn = [own, "data:", "blob:"].some((start) => url.startsWith(start));
+    if (!isOwn) complaints.push(`fetches ${url}`);
   });
+  return { browser, tab, complaints };
+}
+
+/** Opens a page from disk and waits until it is drawn. `processorSeconds` is asked before and after. */
+export async function open(file, size, processorSeconds = () => NaN) {
+  const address = pathToFileURL(resolve(file)).href;
+  const { browser, tab, complaints } = await launch(address, size);
   const [start, startProcessorS] = [performance.now(), processorSeconds()];
   await tab.goto(address);
   await tab.waitForSelector("html[data-ready]");
-  await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await settle(tab);
   const [openMs, openProcessorS] = [performance.now() - start, processorSeconds() - startProcessorS];
   return { browser, tab, complaints, openMs, openProcessorS };
+}
+
+/** Waits until what was asked for is drawn. */
+export function settle(tab) {
+  return tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+/** The colour of a type of paths, from the middle of the first dash of its sample in the legend. */
+export function colourOf(tab, kind) {
+  return tab.locator(`label.kind[data-kind="${kind}"] img.sample`).evaluate(async (sample) => {
+    await sample.decode();
+    const g = new OffscreenCanvas(112, 40).getContext("2d");
+    g.drawImage(sample, 0, 0);
+    const [r, green, b] = g.getImageData(10, 20, 1, 1).data;
+    return `#${[r, green, b].map((value) => value.toString(16).padStart(2, "0")).join("")}`;
+  });
+}
+
+/** What Tab reaches from the top of the page, by `what` of each element. */
+export async function reached(tab, count, what) {
+  await tab.evaluate(() => document.activeElement?.blur());
+  const names = new Set();
+  for (let i = 0; i < count; i++) {
+    await tab.keyboard.press("Tab");
+    names.add(await tab.evaluate(what));
+  }
+  return names;
 }
 
 /** How many pixels of a screenshot are near each colour (`#rrggbb`): each channel within `within`. */

@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
-import { countPixels, open, program } from "./browser.mjs";
+import { colourOf, countPixels, open, program, reached, settle } from "./browser.mjs";
 
 const [file, folder] = process.argv.slice(2);
 if (!program()) {
@@ -18,10 +18,8 @@ const seen = { openMs: Math.round(openMs), pixels: {} };
 const canvas = tab.locator(".frame canvas");
 const data = JSON.parse(await tab.locator("#data").textContent());
 const states = data.states.map((state) => ({ ...state, paths: state.paths ?? data.report.paths }));
-const settle = () =>
-  tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 const shot = async (name) => {
-  await settle();
+  await settle(tab);
   const png = await canvas.screenshot();
   if (folder && name) await tab.screenshot({ path: join(folder, `${name}.png`), fullPage: name === "phone" });
   return png;
@@ -69,7 +67,7 @@ async function paths() {
     assert.equal(await entry.getAttribute("aria-pressed"), "true", `${kind} is marked in the list`);
     const status = await tab.locator(".status").textContent();
     assert.ok(status.startsWith(kind), `the status says ${kind}: ${status}`);
-    const colour = await colourOf(kind);
+    const colour = await colourOf(tab, kind);
     const picked = await shot(`path-${kind.replace("/", "-")}`);
     const [seenPixels] = await countPixels(tab, picked, [colour]);
     seen.pixels[kind] = seenPixels;
@@ -95,17 +93,6 @@ async function paths() {
     await tab.keyboard.press("Escape");
     await tab.keyboard.press("Home");
   }
-}
-
-async function colourOf(kind) {
-  return tab.locator(`label.kind[data-kind="${kind}"] img.sample`).evaluate(async (sample) => {
-    await sample.decode();
-    const g = new OffscreenCanvas(112, 40).getContext("2d");
-    g.drawImage(sample, 0, 0);
-    // The middle of the first dash.
-    const [r, green, b] = g.getImageData(10, 20, 1, 1).data;
-    return `#${[r, green, b].map((value) => value.toString(16).padStart(2, "0")).join("")}`;
-  });
 }
 
 /** The slider goes by keys from before to after, and the picture with it. */
@@ -158,7 +145,7 @@ async function scrubber() {
   const kind = await entry.locator("strong").textContent();
   await entry.focus();
   await tab.keyboard.press("Enter");
-  const [pixels] = await countPixels(tab, await shot("worst-frame"), [await colourOf(kind)]);
+  const [pixels] = await countPixels(tab, await shot("worst-frame"), [await colourOf(tab, kind)]);
   assert.ok(pixels > 60, `${kind} is seen in frame ${frames[worst].frame}: ${pixels} pixels`);
   seen.pixels[kind] = pixels;
 }
@@ -189,19 +176,12 @@ async function table() {
 
 /** Tab reaches the picture, the controls and the list; arrow keys turn the picture. */
 async function keyboard() {
-  await tab.evaluate(() => document.activeElement?.blur());
-  const reached = new Set();
-  for (let i = 0; i < 60; i++) {
-    await tab.keyboard.press("Tab");
-    reached.add(
-      await tab.evaluate(() => {
-        const at = document.activeElement;
-        return at.closest(".entries") ? "list" : at.tagName.toLowerCase();
-      }),
-    );
-  }
+  const found = await reached(tab, 60, () => {
+    const at = document.activeElement;
+    return at.closest(".entries") ? "list" : at.tagName.toLowerCase();
+  });
   const wanted = states.some((state) => state.paths.length > 0) ? ["canvas", "button", "list"] : ["canvas", "button"];
-  for (const what of wanted) assert.ok(reached.has(what), `Tab reaches ${what}: ${[...reached]}`);
+  for (const what of wanted) assert.ok(found.has(what), `Tab reaches ${what}: ${[...found]}`);
   await canvas.focus();
   await tab.keyboard.press("Home");
   const still = await shot();
@@ -213,7 +193,7 @@ async function keyboard() {
 /** At the width of a phone nothing is cut off, in light and in dark. */
 async function phone() {
   await tab.setViewportSize({ width: 390, height: 844 });
-  await settle();
+  await settle(tab);
   const width = await tab.evaluate(() => document.scrollingElement.scrollWidth);
   assert.ok(width <= 390, `the page is not wider than a phone: ${width}`);
   const box = await canvas.boundingBox();

@@ -1,36 +1,9 @@
 // node drive/speed.mjs PAGE.html: time until a page is drawn, and frames a second while it turns, in headless Chromium
 // with WebGL in software: a lower bound for any machine with a graphics card. Beside the times of the clock stand those
 // that the processors spent on it, which do not depend on what else the machine does.
-import { readFileSync, readdirSync, statSync } from "node:fs";
+import { statSync } from "node:fs";
 import { open } from "./browser.mjs";
-
-/** Seconds that all processes below this one have taken; nothing where there is no /proc. */
-function processorSeconds() {
-  const parents = new Map();
-  const own = new Map();
-  let ids = [];
-  try {
-    ids = readdirSync("/proc").filter((name) => /^\d+$/.test(name));
-  } catch {
-    return NaN;
-  }
-  for (const id of ids) {
-    try {
-      const fields = readFileSync(`/proc/${id}/stat`, "utf8").split(") ")[1].split(" ");
-      parents.set(id, fields[1]);
-      own.set(id, (Number(fields[11]) + Number(fields[12])) / 100);
-    } catch {
-      // It has ended.
-    }
-  }
-  let sum = 0;
-  for (const id of own.keys()) {
-    let at = parents.get(id);
-    while (at && at !== String(process.pid)) at = parents.get(at);
-    if (at) sum += own.get(id);
-  }
-  return sum;
-}
+import { processorSeconds } from "./processors.mjs";
 
 const [file] = process.argv.slice(2);
 for (let run = 0; run < 3; run++) {

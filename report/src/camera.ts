@@ -39,11 +39,16 @@ export class OrbitCamera {
 
   /** The box that fits into the picture: its centre, and half of its size. */
   frame(centre: Vector3, half: Vector3, up: Up) {
+    this.setBox(centre, half);
+    this.up = up;
+    this.fit();
+  }
+
+  /** The box that is shown when the whole is asked for next. */
+  setBox(centre: Vector3, half: Vector3) {
     this.centre.copy(centre);
     this.half.copy(half);
     this.radius = Math.max(half.length(), 1e-9);
-    this.up = up;
-    this.fit();
   }
 
   setUp(up: Up) {

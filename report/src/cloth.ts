@@ -1,18 +1,10 @@
 // The mesh: two states between which a slider goes, inside regions hatched, a colour map over all of it.
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, ShaderMaterial, Uint32BufferAttribute } from "three";
 
-import type { Part, State } from "./data";
-import { kindOf } from "./kinds";
+import type { Shown } from "./data";
+import { KINDS } from "./kinds";
 import { type ColourMap, textureOf } from "./maps";
-
-const CLOTHS = [
-  [0.93, 0.9, 0.84],
-  [0.7, 0.8, 0.89],
-  [0.82, 0.87, 0.78],
-  [0.92, 0.82, 0.78],
-  [0.86, 0.82, 0.92],
-];
-const BODY = [0.62, 0.62, 0.64];
+import type { Surface } from "./surface";
 
 const VERTEX = `
 attribute vec3 after;
@@ -68,20 +60,23 @@ export class Cloth {
   private readonly geometry = new BufferGeometry();
   private readonly materials: ShaderMaterial[];
 
-  constructor(parts: Part[], triangles: Uint32Array, states: State[]) {
+  constructor({ triangles, numClothFaces, tints }: Surface, states: Shown[]) {
     const [first, last] = [states[0]!, states[states.length - 1]!];
     const geometry = this.geometry;
     geometry.setIndex(new Uint32BufferAttribute(triangles, 1));
-    geometry.setAttribute("position", new BufferAttribute(first.positions, 3));
-    geometry.setAttribute("after", new BufferAttribute(last.positions, 3));
-    geometry.setAttribute("tint", tints(parts, triangles, first.positions));
+    // Of one state both are the same, and go to the graphics card once.
+    const own = (state: Shown) => new BufferAttribute(state.positions.slice(), 3);
+    const [before, inside] = [own(first), insides(first)];
+    geometry.setAttribute("position", before);
+    geometry.setAttribute("after", first === last ? before : own(last));
+    geometry.setAttribute("tint", new BufferAttribute(tints, 3));
     geometry.setAttribute("value", new BufferAttribute(new Float32Array(first.positions.length / 3), 1));
-    geometry.setAttribute("inside", insides(first));
-    geometry.setAttribute("insideAfter", insides(last));
+    geometry.setAttribute("inside", inside);
+    geometry.setAttribute("insideAfter", first === last ? inside : insides(last));
     this.materials = [material(1), material(0.45)];
-    const cloth = parts.filter((part) => part.role !== "body").reduce((sum, part) => sum + part.num_faces, 0);
-    geometry.addGroup(0, 3 * cloth, 0);
-    if (3 * cloth < triangles.length) geometry.addGroup(3 * cloth, triangles.length - 3 * cloth, 1);
+    const numOfCloth = 3 * numClothFaces;
+    geometry.addGroup(0, numOfCloth, 0);
+    if (numOfCloth < triangles.length) geometry.addGroup(numOfCloth, triangles.length - numOfCloth, 1);
     this.mesh = new Mesh(geometry, this.materials);
     this.mesh.frustumCulled = false;
     this.setSeeThrough(false);
@@ -114,21 +109,15 @@ export class Cloth {
     cloth.uniforms["map"]!.value = textureOf(map);
   }
 
-  /** Other states of the same mesh. */
-  setStates(states: State[]) {
-    const [first, last] = [states[0]!, states[states.length - 1]!];
-    for (const [name, state] of [
-      ["position", first],
-      ["after", last],
-    ] as const) {
-      (this.geometry.getAttribute(name) as BufferAttribute).copyArray(state.positions).needsUpdate = true;
-    }
-    for (const [name, state] of [
-      ["inside", first],
-      ["insideAfter", last],
-    ] as const) {
-      (this.geometry.getAttribute(name) as BufferAttribute).copyArray(insides(state).array).needsUpdate = true;
-    }
+  /** As many other states of the same mesh. */
+  setStates(states: Shown[]) {
+    const names = [["position", "inside"] as const, ["after", "insideAfter"] as const];
+    states.slice(0, 2).forEach((state, number) => {
+      const [place, inside] = names[number]!.map((name) => this.geometry.getAttribute(name) as BufferAttribute);
+      place!.copyArray(state.positions).needsUpdate = true;
+      colourInside(inside!.array as Uint8Array, state.inside);
+      inside!.needsUpdate = true;
+    });
   }
 }
 
@@ -150,59 +139,18 @@ function material(opacity: number): ShaderMaterial {
   });
 }
 
-/** A calm colour for each file, or for each piece where there is one file of cloth. */
-function tints(parts: Part[], triangles: Uint32Array, positions: Float32Array): BufferAttribute {
-  const colours = new Float32Array(positions.length);
-  const pieces = parts.filter((part) => part.role !== "body").length === 1 ? piecesOf(triangles, positions) : null;
-  let at = 0;
-  parts.forEach((part, number) => {
-    for (let i = 0; i < part.num_vertices; i++, at++) {
-      const colour = part.role === "body" ? BODY : CLOTHS[(pieces ? pieces[at]! : number) % CLOTHS.length]!;
-      colours.set(colour, 3 * at);
-    }
-  });
-  return new BufferAttribute(colours, 3);
-}
-
-/** For each vertex the number of its piece; vertices in one place are one. */
-export function piecesOf(triangles: Uint32Array, positions: Float32Array): Uint32Array {
-  const parent = Uint32Array.from({ length: positions.length / 3 }, (_, vertex) => vertex);
-  const root = (vertex: number): number => {
-    while (parent[vertex] !== vertex) vertex = parent[vertex] = parent[parent[vertex]!]!;
-    return vertex;
-  };
-  const join = (a: number, b: number) => {
-    parent[root(b)] = root(a);
-  };
-  const seen = new Map<string, number>();
-  for (let vertex = 0; vertex < parent.length; vertex++) {
-    const place = positions.subarray(3 * vertex, 3 * vertex + 3).join(" ");
-    const first = seen.get(place);
-    if (first === undefined) seen.set(place, vertex);
-    else join(first, vertex);
-  }
-  for (let i = 0; i < triangles.length; i += 3) {
-    join(triangles[i]!, triangles[i + 1]!);
-    join(triangles[i]!, triangles[i + 2]!);
-  }
-  const numbers = new Map<number, number>();
-  return parent.map((_, vertex) => {
-    const own = root(vertex);
-    if (!numbers.has(own)) numbers.set(own, numbers.size);
-    return numbers.get(own)!;
-  });
-}
-
 /** For each vertex inside the colour of its path, and 1. */
-function insides(state: State): BufferAttribute {
-  const regions = new Uint8Array((state.positions.length / 3) * 4);
-  for (const path of state.paths) {
-    const colour = rgb(kindOf(path.pair_type).colour);
-    for (const copy of path.copies) {
-      for (const vertex of copy.inside_vertices ?? []) regions.set([...colour, 255], 4 * vertex);
-    }
-  }
-  return new BufferAttribute(regions, 4, true);
+function insides(state: Shown): BufferAttribute {
+  const colours = new Uint8Array((state.positions.length / 3) * 4);
+  colourInside(colours, state.inside);
+  return new BufferAttribute(colours, 4, true);
+}
+
+const COLOURS = KINDS.map((kind) => [...rgb(kind.colour), 255]);
+const NOTHING = [0, 0, 0, 0];
+
+function colourInside(colours: Uint8Array, inside: Uint8Array) {
+  inside.forEach((number, vertex) => colours.set(COLOURS[number - 1] ?? NOTHING, 4 * vertex));
 }
 
 export function rgb(colour: string): [number, number, number] {

@@ -1,8 +1,9 @@
 // Intersection paths in the picture: lines by type, faint where cloth hides them, and a marker on each path.
-import { BufferAttribute, BufferGeometry, CanvasTexture, Group, Points, PointsMaterial, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, Group, Points, PointsMaterial, Vector3 } from "three";
 
-import type { State } from "./data";
-import { DASHES, type Kind, KINDS, drawMarker } from "./kinds";
+import type { Shown } from "./data";
+import { markerTexture } from "./dots";
+import { DASHES, type Kind, KINDS } from "./kinds";
 import { type LineStyle, Lines } from "./lines";
 
 const WIDTH = 3.2;
@@ -10,7 +11,7 @@ const WIDTH = 3.2;
 const MOST_MARKERS = 1500;
 
 /** Corners of the segments of some paths, two by two. */
-function segments(state: State, isWanted: (path: number) => boolean): Float32Array {
+function segments(state: Shown, isWanted: (path: number) => boolean): Float32Array {
   const lines = state.lines.filter((line) => isWanted(line.path));
   const count = lines.reduce((sum, line) => sum + line.count - 1, 0);
   const result = new Float32Array(6 * count);
@@ -24,7 +25,7 @@ function segments(state: State, isWanted: (path: number) => boolean): Float32Arr
 }
 
 /** For each path the place in the middle of its longest line, and how far its points are from there at most. */
-export function placesOf(state: State): { place: Vector3; radius: number }[] {
+export function placesOf(state: Shown): { place: Vector3; radius: number }[] {
   const longest = new Map<number, { first: number; count: number }>();
   for (const line of state.lines) {
     if (line.count > (longest.get(line.path)?.count ?? 0)) longest.set(line.path, line);
@@ -47,19 +48,6 @@ export function placesOf(state: State): { place: Vector3; radius: number }[] {
   return places;
 }
 
-const TEXTURES = new Map<string, CanvasTexture>();
-
-function markerTexture(kind: Kind): CanvasTexture {
-  const known = TEXTURES.get(kind.name);
-  if (known) return known;
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 64;
-  drawMarker(canvas.getContext("2d")!, kind.marker, kind.colour, 32, 32, 23);
-  const texture = new CanvasTexture(canvas);
-  TEXTURES.set(kind.name, texture);
-  return texture;
-}
-
 /** How the picture is seen: size in pixels, device pixels to one of them, pixels to a metre, where sight begins. */
 export interface Sight {
   width: number;
@@ -79,7 +67,7 @@ export class Contours {
   private readonly picked = new Group();
   private pickedLines: Lines[] = [];
 
-  constructor(private readonly state: State) {
+  constructor(private readonly state: Shown) {
     this.places = placesOf(state);
     const order = state.paths.map((_, path) => path);
     order.sort((a, b) => state.paths[b]!.length_m - state.paths[a]!.length_m);
@@ -114,7 +102,7 @@ export class Contours {
     const material = new PointsMaterial({
       size: 17,
       sizeAttenuation: false,
-      map: markerTexture(kind),
+      map: markerTexture(kind.marker, kind.colour),
       transparent: true,
       depthTest: false,
       alphaTest: 0.05,

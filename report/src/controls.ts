@@ -1,7 +1,7 @@
 // The controls under the picture, and the legends.
 import type { FoundData, PageData, State } from "./data";
 import { counted, el } from "./dom";
-import { KINDS, sample } from "./kinds";
+import { DOTS, type DotName, KINDS, dotSample, sample } from "./kinds";
 import { type ColourMap, gradientOf } from "./maps";
 import type { Up } from "./camera";
 import type { View } from "./view";
@@ -111,16 +111,9 @@ export function kindLegend(page: PageData, states: State[], view: View): HTMLEle
       ),
     ];
   });
-  const dots = found.flat().flatMap((state) => state.wrong_sides.map((wrong) => wrong.kind));
-  for (const kind of new Set(dots)) {
-    const words = kind === "body" ? "vertices inside of a body" : "vertices behind an inner layer";
-    rows.push(el("label", { class: "kind" }, el("span", { class: `dot ${kind}`, "aria-hidden": "true" }), words));
-  }
-  if (page.mesh.pinned.length > 0) {
-    rows.push(
-      el("label", { class: "kind" }, el("span", { class: "dot pin", "aria-hidden": "true" }), "pinned vertices"),
-    );
-  }
+  const dots = new Set(found.flat().flatMap((state) => state.wrong_sides.map(({ kind }): DotName => kind)));
+  if (page.mesh.pinned.length > 0) dots.add("pinned");
+  for (const name of dots) rows.push(el("label", { class: "kind" }, dotSample(name), DOTS[name].words));
   if (rows.length === 0) return el("div");
   return el(
     "fieldset",
@@ -162,8 +155,8 @@ export function viewControls(view: View, step: (by: number) => void, hasPaths: b
   );
 }
 
-/** Light, dark, or as the system has it; and the JSON document as a file. */
-export function pageButtons(page: PageData): HTMLElement {
+/** Light, dark, or as the system has it. */
+export function themeChoice(): HTMLSelectElement {
   const theme = el(
     "select",
     {
@@ -178,6 +171,11 @@ export function pageButtons(page: PageData): HTMLElement {
       ["dark", "dark"],
     ].map(([value, text]) => el("option", { value: value! }, text!)),
   );
+  return theme;
+}
+
+/** Light or dark; and the JSON document as a file. */
+export function pageButtons(page: PageData): HTMLElement {
   const save = () => {
     const lines = [...(page.sequence?.frames.map(({ line }) => line) ?? []), page.report];
     const url = URL.createObjectURL(
@@ -189,7 +187,7 @@ export function pageButtons(page: PageData): HTMLElement {
   return el(
     "div",
     { class: "row noprint" },
-    theme,
+    themeChoice(),
     el("button", { type: "button", click: save }, "Save the JSON"),
     el("button", { type: "button", click: () => window.print() }, "Print"),
   );

@@ -1,5 +1,7 @@
 // What the program writes into a page: PageData in src/cli/html/page.rs.
 
+import { type DotName, numberOf } from "./kinds";
+
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 export type JsonObject = { [key: string]: Json };
 
@@ -90,13 +92,21 @@ export interface Line {
   count: number;
 }
 
-/** A state with its arrays. */
-export interface State {
-  name: StateData["name"];
+/** What the picture takes of a state. */
+export interface Shown {
   positions: Float32Array;
-  paths: PathData[];
+  paths: { pair_type: string; length_m: number }[];
   points: Float32Array;
   lines: Line[];
+  marked: { name: DotName; vertices: ArrayLike<number> }[];
+  /** For each vertex the number of its type of path, counted from 1, where it is inside of one; else 0. */
+  inside: Uint8Array;
+}
+
+/** A state with its arrays. */
+export interface State extends Shown {
+  name: StateData["name"];
+  paths: PathData[];
   wrongSides: WrongData[];
 }
 
@@ -130,14 +140,28 @@ export function stateOf(page: PageData, name: StateData["name"], positions: Floa
   for (let i = 0; i + 2 < rows.length; i += 3) {
     lines.push({ path: rows[i]!, first: rows[i + 1]!, count: rows[i + 2]! });
   }
+  const paths = data.paths ?? (page.report["paths"] as unknown as PathData[]) ?? [];
+  const marked: Shown["marked"] = data.wrong_sides.map(({ kind, vertices }) => ({ name: kind, vertices }));
+  if (page.mesh.pinned.length > 0) marked.push({ name: "pinned", vertices: page.mesh.pinned });
   return {
     name,
     positions,
-    paths: data.paths ?? (page.report["paths"] as unknown as PathData[]) ?? [],
+    paths,
+    marked,
+    inside: insideOf(paths, positions.length / 3),
     points: singles(data.points),
     lines,
     wrongSides: data.wrong_sides,
   };
+}
+
+function insideOf(paths: PathData[], numVertices: number): Uint8Array {
+  const inside = new Uint8Array(numVertices);
+  for (const path of paths) {
+    const number = numberOf(path.pair_type);
+    for (const copy of path.copies) for (const vertex of copy.inside_vertices ?? []) inside[vertex] = number;
+  }
+  return inside;
 }
 
 /** What is blocked, of a sequence in a frame. */

@@ -4,10 +4,14 @@ export type Dash = "solid" | "long" | "short" | "dots";
 export type Marker =
   "circle" | "ring" | "square" | "frame" | "diamond" | "up" | "down" | "plus" | "cross" | "star" | "hexagon";
 
-export interface Kind {
-  name: string;
+/** How a line is drawn. */
+export interface Stroke {
   colour: string;
   dash: Dash;
+}
+
+export interface Kind extends Stroke {
+  name: string;
   marker: Marker;
   words: string;
 }
@@ -22,7 +26,7 @@ export const DASHES: Record<Dash, [number, number] | null> = {
 
 export const KINDS: Kind[] = [
   { name: "CLOSED/CLOSED", colour: "#0068a8", dash: "solid", marker: "circle", words: "a loop on both sheets" },
-  { name: "EIGHT", colour: "#7b3294", dash: "long", marker: "ring", words: "two loops that share a vertex" },
+  { name: "EIGHT", colour: "#9440b8", dash: "long", marker: "ring", words: "two loops that share a vertex" },
   { name: "LL", colour: "#c8460a", dash: "solid", marker: "diamond", words: "a fold pushed through itself" },
   {
     name: "BLI",
@@ -64,7 +68,30 @@ export const KINDS: Kind[] = [
   },
 ];
 
+/** Vertices that are marked: a colour and a marker for each kind, its size in pixels, and words. */
+export interface DotKind {
+  colour: string;
+  marker: Marker;
+  size: number;
+  words: string;
+}
+
+export const DOTS = {
+  body: { colour: "#a000a0", marker: "circle", size: 9, words: "vertices inside of a body" },
+  layer: { colour: "#006400", marker: "square", size: 9, words: "vertices behind an inner layer" },
+  pinned: { colour: "#000000", marker: "diamond", size: 9, words: "pinned vertices" },
+  masked: { colour: "#00566e", marker: "down", size: 6, words: "masked vertices: self-contact is off there" },
+  clamped: { colour: "#b01030", marker: "star", size: 11, words: "corrections that were limited" },
+} satisfies Record<string, DotKind>;
+
+export type DotName = keyof typeof DOTS;
+
 const BY_NAME = new Map(KINDS.map((kind) => [kind.name, kind]));
+
+/** Counted from 1. */
+export function numberOf(name: string): number {
+  return 1 + KINDS.indexOf(kindOf(name));
+}
 
 export function kindOf(name: string): Kind {
   return BY_NAME.get(name) ?? KINDS[0]!;
@@ -146,24 +173,48 @@ export function drawMarker(
 
 const SAMPLES = new Map<string, string>();
 
-/** The sample of a type: its line with its marker. Drawn once for each type, since lists have hundreds of them. */
+/** The sample of a type: its line with its marker. */
 export function sample(kind: Kind): HTMLImageElement {
+  return sampleOf(kind.name, (g) => {
+    drawLine(g, kind);
+    drawMarker(g, kind.marker, kind.colour, 28, 10, 7);
+  });
+}
+
+/** The sample of a kind of marked vertices. */
+export function dotSample(name: DotName): HTMLImageElement {
+  const { colour, marker, size } = DOTS[name];
+  return sampleOf(name, (g) => drawMarker(g, marker, colour, 28, 10, (0.7 * size) / 1.3 + 1));
+}
+
+/** The sample of a line of a plot. */
+export function lineSample(name: string, line: Stroke): HTMLImageElement {
+  return sampleOf(`line ${name}`, (g) => drawLine(g, line));
+}
+
+/** Drawn once for each name, since lists have hundreds of them. */
+function sampleOf(name: string, draw: (g: CanvasRenderingContext2D) => void): HTMLImageElement {
   const image = document.createElement("img");
   image.className = "sample";
   image.alt = "";
-  let source = SAMPLES.get(kind.name);
-  if (source === undefined) SAMPLES.set(kind.name, (source = drawSample(kind)));
+  let source = SAMPLES.get(name);
+  if (source === undefined) SAMPLES.set(name, (source = drawn(draw)));
   image.src = source;
   return image;
 }
 
-function drawSample(kind: Kind): string {
+function drawn(draw: (g: CanvasRenderingContext2D) => void): string {
   const canvas = document.createElement("canvas");
   const scale = 2;
   canvas.width = 56 * scale;
   canvas.height = 20 * scale;
   const g = canvas.getContext("2d")!;
   g.scale(scale, scale);
+  draw(g);
+  return canvas.toDataURL("image/png");
+}
+
+function drawLine(g: CanvasRenderingContext2D, kind: Stroke) {
   g.strokeStyle = kind.colour;
   g.lineWidth = 3;
   g.setLineDash(DASHES[kind.dash] ?? []);
@@ -172,6 +223,4 @@ function drawSample(kind: Kind): string {
   g.lineTo(53, 10);
   g.stroke();
   g.setLineDash([]);
-  drawMarker(g, kind.marker, kind.colour, 28, 10, 7);
-  return canvas.toDataURL("image/png");
 }

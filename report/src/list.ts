@@ -1,7 +1,7 @@
 // The list of paths, and of what is on the wrong side or blocked: each entry jumps to its place.
 import { type BlockedData, type End, type PathData, type State } from "./data";
 import { counted, el, metres } from "./dom";
-import { kindOf, sample } from "./kinds";
+import { dotSample, kindOf, sample } from "./kinds";
 
 const FIRST_ROWS = 100;
 
@@ -154,7 +154,7 @@ function wrongSides(state: State, number: number, jumps: Jumps): HTMLElement[] {
             type: "button",
             click: () => jumps.vertex(number, cluster.vertex),
           },
-          el("span", { class: `dot ${wrong.kind}`, "aria-hidden": "true" }),
+          dotSample(wrong.kind),
           el(
             "span",
             { class: "words" },
@@ -182,7 +182,7 @@ function blockedList(blocked: BlockedData[], jump: (entry: BlockedData) => void)
       el(
         "button",
         { type: "button", click: () => jump(entry) },
-        entry.pair_type ? sample(kindOf(entry.pair_type)) : el("span", { class: "dot body", "aria-hidden": "true" }),
+        entry.pair_type ? sample(kindOf(entry.pair_type)) : dotSample("body"),
         el(
           "span",
           { class: "words" },

@@ -1,10 +1,11 @@
 // A page that untangled check --html or untangled fix --html wrote: puts its parts together.
-import { type PageData, type State, type WrongData, blockedOf, readPage, readState, singles } from "./data";
+import { type PageData, type State, type WrongData, blockedOf, readPage, readState, singles, whole } from "./data";
 import { counted, el, metres } from "./dom";
 import { beforeAfterSlider, kindLegend, mapChoice, pageButtons, viewControls } from "./controls";
 import { Lists } from "./list";
 import { type ColourMap, movedMap, stretchMap } from "./maps";
 import { Scrubber, Sequence } from "./sequence";
+import { surfaceOfParts } from "./surface";
 import { tables } from "./tables";
 import { View } from "./view";
 
@@ -83,7 +84,8 @@ function picture(page: PageData, first: State[], sequence: Sequence | null): HTM
       ? `${data.pair_type}, ${metres(data.length_m)}, ${counted(data.num_segments, "face pair")}`
       : "";
   };
-  const view = new View(page, states, ({ path, vertex }) => {
+  const surface = surfaceOfParts(page.mesh.parts, whole(page.mesh.triangles), states[0]!.positions);
+  const view = new View(surface, states, ({ path, vertex }) => {
     pick(shown, path, false);
     if (vertex !== null) status.textContent = vertexWords(page, maps, vertex);
   });

@@ -1,27 +1,23 @@
-// The picture: cloth, paths, and vertices on the wrong side; drawn when something changes, not all the time.
-import {
-  BufferAttribute,
-  BufferGeometry,
-  CanvasTexture,
-  ColorManagement,
-  LinearSRGBColorSpace,
-  Points,
-  PointsMaterial,
-  Scene,
-  Vector3,
-  WebGLRenderer,
-} from "three";
+// The picture: cloth, paths, and marked vertices; drawn when something changes, not all the time.
+import { ColorManagement, LinearSRGBColorSpace, type Object3D, Scene, Vector3, WebGLRenderer } from "three";
 
 import { OrbitCamera, type Up, likelyUp, steer } from "./camera";
 import { Cloth } from "./cloth";
-import { Contours } from "./contours";
-import type { PageData, State } from "./data";
-import { whole } from "./data";
+import { Contours, type Sight } from "./contours";
+import type { Shown } from "./data";
+import { Dots } from "./dots";
 import type { ColourMap } from "./maps";
+import type { Surface } from "./surface";
 
 export interface Picked {
   path: number | null;
   vertex: number | null;
+}
+
+/** What else is drawn, beside cloth, paths and marked vertices. */
+export interface Overlay {
+  object: Object3D;
+  prepare: (sight: Sight) => void;
 }
 
 export class View {
@@ -31,28 +27,34 @@ export class View {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly cloth: Cloth;
+  private readonly overlays: Overlay[] = [];
   private contours: Contours[] = [];
-  private dots: Points[][] = [];
+  private dots: Dots[][] = [];
+  /** Given back after the next picture: programs of shaders that nobody has are linked again, which takes long. */
+  private retired: { dispose: () => void }[] = [];
   private readonly hidden = new Set<string>();
   private mixing = 0;
   private isAsked = false;
   private isSized = false;
+  private coarseness = 1;
 
+  /** `isLive`: one that changes all the time, without what costs most in software. */
   constructor(
-    private readonly page: PageData,
-    private states: State[],
+    surface: Surface,
+    private states: Shown[],
     onPick: (picked: Picked) => void,
+    isLive = false,
   ) {
     // Colours are those of the legend, to the bit.
     ColorManagement.enabled = false;
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ antialias: !isLive, alpha: true, preserveDrawingBuffer: !isLive });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setClearColor(0, 0);
     // To ask whether shaders are right waits for them.
     this.renderer.debug.checkShaderErrors = false;
     this.canvas = this.renderer.domElement;
     this.orbit = new OrbitCamera(() => this.draw());
-    this.cloth = new Cloth(page.mesh.parts, whole(page.mesh.triangles), states);
+    this.cloth = new Cloth(surface, states);
     this.scene.add(this.cloth.mesh);
     this.showFound();
     const { centre, size } = boxOf(states);
@@ -62,19 +64,16 @@ export class View {
     new ResizeObserver(() => this.resize()).observe(this.canvas);
   }
 
-  /** Other states of the same mesh. */
-  setStates(states: State[]) {
+  /** As many other states of the same mesh. */
+  setStates(states: Shown[]) {
     this.states = states;
     this.cloth.setStates(states);
-    for (const contours of this.contours) {
-      this.scene.remove(contours.group);
-      contours.dispose();
-    }
-    for (const points of this.dots.flat()) {
-      this.scene.remove(points);
-      points.geometry.dispose();
-    }
+    for (const contours of this.contours) this.scene.remove(contours.group);
+    for (const dots of this.dots.flat()) this.scene.remove(dots.points);
+    this.retired.push(...this.contours, ...this.dots.flat());
     this.showFound();
+    const { centre, size } = boxOf(states);
+    this.orbit.setBox(centre, size.multiplyScalar(0.5));
     this.draw();
   }
 
@@ -84,39 +83,35 @@ export class View {
       this.scene.add(contours.group);
       for (const name of this.hidden) contours.setKind(name, false);
     }
-    this.dots = this.states.map((state) => this.dotsOf(state, this.page.mesh.pinned));
+    this.dots = this.states.map((state) =>
+      state.marked
+        .filter(({ vertices }) => vertices.length > 0)
+        .map(({ name, vertices }) => new Dots(name, vertices, state.positions)),
+    );
+    for (const dots of this.dots.flat()) this.scene.add(dots.points);
   }
 
-  /** Vertices on the wrong side, and pinned ones. */
-  private dotsOf(state: State, pinned: number[]): Points[] {
-    const rows: [number[], number, number][] = [[pinned, 0x000000, 5]];
-    // Discs inside of a body, squares behind a layer.
-    for (const wrong of state.wrongSides) {
-      rows.push(wrong.kind === "body" ? [wrong.vertices, 0xa000a0, 8] : [wrong.vertices, 0x006400, 6]);
-    }
-    return rows
-      .filter(([vertices]) => vertices.length > 0)
-      .map(([vertices, colour, size]) => {
-        const geometry = new BufferGeometry();
-        const places = new Float32Array(vertices.flatMap((vertex) => [...placeOf(state, vertex)]));
-        geometry.setAttribute("position", new BufferAttribute(places, 3));
-        const material = new PointsMaterial({
-          color: colour,
-          size,
-          sizeAttenuation: false,
-          depthTest: vertices === pinned,
-        });
-        if (size === 8) {
-          material.map = discTexture();
-          material.alphaTest = 0.5;
-        }
-        const points = new Points(geometry, material);
-        material.userData = { size };
-        points.frustumCulled = false;
-        points.renderOrder = 3;
-        this.scene.add(points);
-        return points;
-      });
+  add(overlay: Overlay) {
+    this.overlays.push(overlay);
+    this.scene.add(overlay.object);
+  }
+
+  /** Pixels of the page to one that is drawn; 1 unless a picture takes too long. */
+  setCoarseness(coarseness: number) {
+    if (coarseness === this.coarseness) return;
+    this.coarseness = coarseness;
+    this.resize();
+  }
+
+  /** Gives back what the graphics card holds. */
+  dispose() {
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
+  /** Half of the diagonal of all that is shown, in metres. */
+  get radius(): number {
+    return boxOf(this.states).size.length() / 2;
   }
 
   /** 0 is the first state, 1 the last. */
@@ -168,7 +163,7 @@ export class View {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0 || !this.isSized) return;
     const ratio = this.renderer.getPixelRatio();
-    const sight = {
+    const sight: Sight = {
       width,
       height,
       ratio,
@@ -177,14 +172,11 @@ export class View {
     };
     const shares = this.shares();
     this.contours.forEach((contours, i) => contours.prepare(shares[i]!, sight));
-    this.dots.forEach((dots, i) =>
-      dots.forEach((points) => {
-        const material = points.material as PointsMaterial;
-        points.visible = shares[i]! > 0.5;
-        material.size = (material.userData as { size: number }).size * ratio;
-      }),
-    );
+    const isShown = (own: Dots, state: number) => shares[state]! > 0.5 && !this.hidden.has(own.name);
+    this.dots.forEach((dots, i) => dots.forEach((own) => own.prepare(isShown(own, i), ratio)));
+    this.overlays.forEach((overlay) => overlay.prepare(sight));
     this.renderer.render(this.scene, this.orbit.camera);
+    for (const old of this.retired.splice(0)) old.dispose();
   }
 
   /** How much of the paths of each state shows: none half way between two states. */
@@ -197,7 +189,7 @@ export class View {
   private resize() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) / this.coarseness);
     this.renderer.setSize(width, height, false);
     this.isSized = true;
     this.orbit.resize(width, height);
@@ -235,21 +227,11 @@ export class View {
   }
 }
 
-function discTexture(): CanvasTexture {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 32;
-  const g = canvas.getContext("2d")!;
-  g.fillStyle = "#ffffff";
-  g.arc(16, 16, 15, 0, 2 * Math.PI);
-  g.fill();
-  return new CanvasTexture(canvas);
-}
-
-function placeOf(state: State, vertex: number): Vector3 {
+function placeOf(state: Shown, vertex: number): Vector3 {
   return new Vector3().fromArray(state.positions, 3 * vertex);
 }
 
-function boxOf(states: State[]): { centre: Vector3; size: Vector3 } {
+function boxOf(states: Shown[]): { centre: Vector3; size: Vector3 } {
   const [low, high] = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
   const place = new Vector3();
   for (const { positions } of states) {

@@ -16,6 +16,7 @@
 //! | `picture` | pictures of a cloth and its intersection paths, for `demo` |
 //! | `sequence` | `check` and `fix` with `--cache` or `--prim`: frame after frame |
 //! | `packaging` | `completions` and `man`: what packages carry beside the program |
+//! | `watch` | a page that shows live sessions |
 //! | `check`, `fix`, `demo`, `serve`, `status`, `config` | one subcommand each |
 
 mod certificate;
@@ -35,6 +36,7 @@ pub mod roles;
 pub mod sequence;
 mod serve;
 mod status;
+mod watch;
 mod weld;
 mod wording;
 mod world;
@@ -64,6 +66,7 @@ enum Command {
     Serve(serve::ServeArgs),
     /// Say what a running daemon does: sessions, frames, rates, stage times.
     Status(status::StatusArgs),
+    Watch(watch::WatchArgs),
     /// Print the effective configuration, each key explained.
     Config(config::ConfigArgs),
     Check(check::CheckArgs),
@@ -103,6 +106,7 @@ fn run(command: Command) -> Result<Outcome, CliError> {
     match command {
         Command::Serve(args) => serve::run(&args),
         Command::Status(args) => status::run(&args),
+        Command::Watch(args) => watch::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Check(args) if args.world.sequence.is_asked() => sequence::check(&args).map_err(Into::into),
         Command::Check(args) => check::run(&args).map_err(Into::into),

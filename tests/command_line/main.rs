@@ -15,4 +15,5 @@ mod publish;
 mod roles;
 mod sequence;
 mod strangers;
+mod watch;
 mod weld;

@@ -235,7 +235,8 @@ fn config_with_a_file_prints_what_the_file_changes() {
 }
 
 /// Commands that people see in `--help`.
-const COMMANDS: [&str; 9] = ["serve", "status", "config", "check", "fix", "join", "demo", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["serve", "status", "watch", "config", "check", "fix", "join", "demo", "completions", "man"];
 
 #[test]
 fn manual_pages_name_every_command_and_its_flags() {

@@ -8,6 +8,8 @@ use std::{
 
 use rustix::event::PollFlags;
 
+use crate::http::{Answer, Body, Request};
+
 /// Longest time for a request and its answer.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Longest head of a request in bytes.
@@ -87,29 +89,18 @@ impl Connection {
 
 /// The answer to a request; nothing while its head is not whole and more may come.
 fn answer(head: &[u8], is_end: bool, body: &dyn Fn() -> String) -> Option<Vec<u8>> {
-    let mut headers = [httparse::EMPTY_HEADER; 32];
-    let mut request = httparse::Request::new(&mut headers);
-    let parsed = request.parse(head);
-    if matches!(parsed, Ok(httparse::Status::Partial)) && !is_end {
-        return None;
-    }
-    let is_whole = matches!(parsed, Ok(httparse::Status::Complete(_)));
-    let method = request.method.filter(|_| is_whole);
-    let (status, more, text) = match (method, request.path) {
-        (Some("GET" | "HEAD"), Some("/" | "/metrics")) => ("200 OK", "", body()),
-        (Some("GET" | "HEAD"), _) => ("404 Not Found", "", "metrics are at /metrics\n".to_owned()),
-        (Some(_), _) => {
-            ("405 Method Not Allowed", "Allow: GET, HEAD\r\n", "only GET and HEAD are understood\n".to_owned())
+    let request = Request::parse(head, is_end)?;
+    let is_head = request.as_ref().is_ok_and(|request| request.is_head);
+    let answer = match request {
+        Ok(request) if matches!(request.target.as_str(), "/" | "/metrics") => {
+            Answer::new("200 OK", "text/plain; version=0.0.4; charset=utf-8", Body::Shared(body().into_bytes().into()))
         }
-        (None, _) => ("400 Bad Request", "", "this is no HTTP request\n".to_owned()),
+        Ok(_) => Answer::text("404 Not Found", "metrics are at /metrics\n"),
+        Err(refusal) => refusal,
     };
-    let mut answer = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n\
-         Content-Length: {}\r\n{more}Connection: close\r\n\r\n",
-        text.len()
-    );
-    if method != Some("HEAD") {
-        answer.push_str(&text);
+    let mut bytes = answer.head(false).into_bytes();
+    if !is_head {
+        bytes.extend_from_slice(answer.body.bytes());
     }
-    Some(answer.into_bytes())
+    Some(bytes)
 }

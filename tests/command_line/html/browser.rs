@@ -13,7 +13,7 @@ use super::write;
 use crate::mesh_folder::{code, command, fix, folder};
 
 /// Runs a script of `report/`, where Node and the packages of the lock file are there; else says what is skipped.
-fn node(skipped: &str, arguments: &[&str]) -> Option<Output> {
+pub(crate) fn node(skipped: &str, arguments: &[&str]) -> Option<Output> {
     let report = repository().join("report");
     if !Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success()) {
         eprintln!("SKIPPED: {skipped}: there is no Node on this machine");
@@ -28,28 +28,42 @@ fn node(skipped: &str, arguments: &[&str]) -> Option<Output> {
 
 /// Drives a page, where there is a browser: `report/drive/drive.mjs` says what it looks at. Gives back what it saw.
 fn drive(page: &Path) -> Option<Value> {
-    let output = node("a page in a browser", &["drive/drive.mjs", page.to_str().unwrap()])?;
+    drive_by("a page in a browser", &["drive/drive.mjs", page.to_str().unwrap()])
+}
+
+/// Drives something by a script of `report/`, where there is a browser. Gives back what it saw.
+pub(crate) fn drive_by(skipped: &str, arguments: &[&str]) -> Option<Value> {
+    let output = node(skipped, arguments)?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.code() == Some(77) {
-        eprintln!("SKIPPED: a page in a browser: {}", text.trim_end());
+        eprintln!("SKIPPED: {skipped}: {}", text.trim_end());
         return None;
     }
-    assert!(output.status.success(), "{}: {text}\n{}", page.display(), String::from_utf8_lossy(&output.stderr));
-    Some(serde_json::from_str(&text).unwrap())
+    assert!(output.status.success(), "{arguments:?}: {text}\n{}", String::from_utf8_lossy(&output.stderr));
+    Some(serde_json::from_str(text.lines().last().unwrap()).unwrap())
 }
 
 #[test]
 fn built_script_and_style_are_what_their_sources_give() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(output) = node("building the page's script again", &["build.mjs", folder.path().to_str().unwrap()]) else {
+    let Some(output) = node("building the pages' scripts again", &["build.mjs", folder.path().to_str().unwrap()])
+    else {
         return;
     };
     assert!(output.status.success(), "{output:?}");
-    for name in ["page.js", "page.css"] {
+    for name in ["page.js", "page.css", "watch.js", "watch.css"] {
         let [built, kept] = [folder.path().join(name), repository().join("report/built").join(name)];
         let is_same = fs::read(built).unwrap() == fs::read(kept).unwrap();
         assert!(is_same, "report/built/{name} is not what its sources give: npm run build in report");
     }
+}
+
+#[test]
+fn colours_of_both_pages_stay_apart_for_the_colour_blind() {
+    let Some(output) = node("colours as the colour-blind see them", &["drive/colours.mjs"]) else { return };
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.contains("types of paths: nearest of one shape: "), "{text}");
 }
 
 #[test]

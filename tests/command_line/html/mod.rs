@@ -1,6 +1,6 @@
 //! `--html` of `untangled check` and `untangled fix`: the document inside of the page, and the page in a browser.
 
-mod browser;
+pub(crate) mod browser;
 mod contents;
 mod frames;
 mod places;

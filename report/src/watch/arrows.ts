@@ -1,0 +1,114 @@
+// Corrections as arrows: some pixels wide, as long as they are large. The largest of the last seconds has a length of
+// its own, by which all others are measured.
+import { BufferAttribute, Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry } from "three";
+import { Mesh, ShaderMaterial, Vector2 } from "three";
+
+import type { Sight } from "../contours";
+import type { Overlay } from "../view";
+import type { FrameMessage } from "./message";
+import { ARROW } from "./palette";
+
+/** More would be a carpet; of more, each so many-th is drawn. */
+const MOST = 1200;
+/** Length of the longest arrow in parts of half of the cloth's diagonal. */
+const LONGEST = 0.16;
+/** What is left of the largest correction after each frame, where later ones are smaller. */
+const FADE = 0.99;
+
+const VERTEX = `
+attribute vec3 corner;
+attribute vec3 start;
+attribute vec3 value;
+uniform vec2 resolution;
+uniform float scale;
+uniform float width;
+uniform float near;
+void main() {
+  vec4 a = modelViewMatrix * vec4(start, 1.0);
+  vec4 b = modelViewMatrix * vec4(start + scale * value, 1.0);
+  if (a.z > -near || b.z > -near) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  vec4 first = projectionMatrix * a;
+  vec4 last = projectionMatrix * b;
+  vec2 along = 0.5 * (last.xy / last.w - first.xy / first.w) * resolution;
+  float size = length(along);
+  // Those of a pixel are dots that say nothing.
+  if (size < 1.5) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  vec2 direction = along / size;
+  float head = min(5.0 * width, 0.7 * size);
+  // A corner of the shaft, or of the head.
+  bool isHead = corner.z > 0.5;
+  float at = isHead ? size - head * (1.0 - corner.x) : corner.x * (size - head);
+  float across = corner.y * (isHead ? 0.45 * head * (1.0 - corner.x) : 0.5 * width);
+  vec4 place = mix(first, last, at / size);
+  place.xy += 2.0 * across * vec2(-direction.y, direction.x) / resolution * place.w;
+  place.z -= 1e-4 * place.w;
+  gl_Position = place;
+}`;
+
+const FRAGMENT = `
+uniform vec3 colour;
+void main() {
+  gl_FragColor = vec4(colour, 1.0);
+}`;
+
+export class Arrows implements Overlay {
+  readonly object: Mesh<InstancedBufferGeometry, ShaderMaterial>;
+  private readonly starts = new InstancedBufferAttribute(new Float32Array(3 * MOST), 3).setUsage(DynamicDrawUsage);
+  private readonly values = new InstancedBufferAttribute(new Float32Array(3 * MOST), 3).setUsage(DynamicDrawUsage);
+  private largest = 0;
+
+  /** `radius`: half of the cloth's diagonal, in metres. */
+  constructor(private readonly radius: number) {
+    const geometry = new InstancedBufferGeometry();
+    const corners = [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0, 0, -1, 1, 1, 0, 1, 0, 1, 1];
+    geometry.setAttribute("corner", new BufferAttribute(new Float32Array(corners), 3));
+    geometry.setAttribute("start", this.starts);
+    geometry.setAttribute("value", this.values);
+    geometry.setIndex([0, 1, 2, 0, 2, 3, 4, 5, 6]);
+    geometry.instanceCount = 0;
+    const uniforms = {
+      resolution: { value: new Vector2(1, 1) },
+      scale: { value: 1 },
+      width: { value: 1.4 },
+      near: { value: 0 },
+      colour: { value: new Color(ARROW) },
+    };
+    const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms });
+    this.object = new Mesh(geometry, material);
+    this.object.frustumCulled = false;
+  }
+
+  /** Shows the corrections of a frame; says how long they are, in words. */
+  show(frame: FrameMessage, words: (value: number) => string): string {
+    const { corrected, corrections, positions } = frame;
+    const sizeOf = (at: number) => Math.hypot(corrections[3 * at]!, corrections[3 * at + 1]!, corrections[3 * at + 2]!);
+    let own = 0;
+    for (let at = 0; at < corrected.length; at++) own = Math.max(own, sizeOf(at));
+    this.largest = Math.max(own, FADE * this.largest);
+    const step = Math.max(1, Math.ceil(corrected.length / MOST));
+    let count = 0;
+    for (let at = 0; at < corrected.length; at += step, count++) {
+      const vertex = corrected[at]!;
+      this.starts.array.set(positions.subarray(3 * vertex, 3 * vertex + 3), 3 * count);
+      this.values.array.set(corrections.subarray(3 * at, 3 * at + 3), 3 * count);
+    }
+    this.object.geometry.instanceCount = count;
+    this.starts.needsUpdate = this.values.needsUpdate = true;
+    this.object.material.uniforms["scale"]!.value = this.largest > 0 ? (LONGEST * this.radius) / this.largest : 1;
+    if (own === 0) return "no corrections";
+    const some = step > 1 ? `, one in ${step} drawn` : "";
+    return `${corrected.length.toLocaleString("en")} corrections, the largest ${words(own)}${some}`;
+  }
+
+  prepare({ width, height, near }: Sight) {
+    const { uniforms } = this.object.material;
+    (uniforms["resolution"]!.value as Vector2).set(width, height);
+    uniforms["near"]!.value = near;
+  }
+}

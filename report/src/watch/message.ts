@@ -1,0 +1,107 @@
+// Messages of untangled watch: a JSON document and arrays of numbers. Written by src/cli/watch/message.rs and
+// observed.rs.
+
+/** What does not change from frame to frame. */
+export interface MeshMessage {
+  numVertices: number;
+  /** Those of bodies last. */
+  triangles: Uint32Array;
+  numClothFaces: number;
+  /** For each vertex its layer, or 255 for one of a body; nothing where there are neither. */
+  roles: Uint8Array | null;
+}
+
+/** One pair of corresponding intersection paths. */
+export interface PathMessage {
+  pair_type: string;
+  length_m: number;
+  /** What the page says of it besides, row by row. */
+  facts: [string, string][];
+  /** Why nothing is done about it, in words. */
+  reason?: string;
+}
+
+/** Numbers of a frame. Times in microseconds. */
+export interface FrameHeader {
+  frame: number;
+  /** What is wrong with the frame, in words. */
+  refused?: string;
+  /** `displacement`, `force`, `acceleration` or `velocity`, and its unit. */
+  correction: string;
+  unit: string;
+  paths: PathMessage[];
+  counts: Record<string, number>;
+  contour_length_m: number;
+  stage_us: Record<string, number>;
+  latency_us: number | null;
+  simulated_s: number;
+  num_dropped: number;
+}
+
+export interface FrameMessage extends FrameHeader {
+  /** When it came, in milliseconds of the page. */
+  at: number;
+  positions: Float32Array;
+  /** Bits of `FLAGS`. */
+  flags: Uint8Array;
+  /** For each vertex the number of its type of path, counted from 1; 0 where it is inside of none. */
+  inside: Uint8Array;
+  corrected: Uint32Array;
+  /** Three for each of `corrected`. */
+  corrections: Float32Array;
+  points: Float32Array;
+  /** Path, first point, number of points. */
+  lines: Uint32Array;
+  numBytes: number;
+}
+
+export const FLAGS = { masked: 1, clamped: 2, pinned: 4 } as const;
+
+type Arrays = Record<string, [kind: "u8" | "u32" | "f32", offset: number, count: number]>;
+
+function read(buffer: ArrayBuffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, 4, length));
+  const header = JSON.parse(text) as Record<string, unknown> & { arrays: Arrays };
+  const place = (name: string) => {
+    const [, offset, count] = header.arrays[name] ?? ["u8", 0, 0];
+    return [4 + length + offset, count] as const;
+  };
+  return {
+    header,
+    bytes: (name: string) => new Uint8Array(buffer, ...place(name)),
+    whole: (name: string) => new Uint32Array(buffer, ...place(name)),
+    singles: (name: string) => new Float32Array(buffer, ...place(name)),
+  };
+}
+
+export function readMesh(buffer: ArrayBuffer): MeshMessage {
+  const { header, bytes, whole } = read(buffer);
+  const numVertices = Number(header["num_vertices"]);
+  const roles = bytes("roles");
+  const given = whole("triangles");
+  const isBody = (face: number) => roles.length > 0 && roles[given[3 * face]!] === 255;
+  const faces = Array.from({ length: given.length / 3 }, (_, face) => face);
+  const cloth = faces.filter((face) => !isBody(face));
+  const triangles = new Uint32Array(given.length);
+  [...cloth, ...faces.filter(isBody)].forEach((face, at) =>
+    triangles.set(given.subarray(3 * face, 3 * face + 3), 3 * at),
+  );
+  return { numVertices, triangles, numClothFaces: cloth.length, roles: roles.length > 0 ? roles : null };
+}
+
+export function readFrame(buffer: ArrayBuffer, at: number): FrameMessage {
+  const { header, bytes, whole, singles } = read(buffer);
+  return {
+    ...(header as unknown as FrameHeader),
+    at,
+    positions: singles("positions"),
+    flags: bytes("flags"),
+    inside: bytes("inside"),
+    corrected: whole("corrected"),
+    corrections: singles("corrections"),
+    points: singles("points"),
+    lines: whole("lines"),
+    numBytes: buffer.byteLength,
+  };
+}

@@ -1,0 +1,104 @@
+// The picture of one session, with what belongs to it.
+import { viewControls } from "../controls";
+import { digits, el, metres } from "../dom";
+import { surfaceOfRoles } from "../surface";
+import { View } from "../view";
+import { Arrows } from "./arrows";
+import type { FrameMessage, MeshMessage } from "./message";
+import { shownOf } from "./shown";
+
+/** Milliseconds a frame above which a live picture gets coarser, and below which it gets finer again. */
+const SLOW_MS = 90;
+const FAST_MS = 25;
+const COARSENESSES = [1, 1.4, 2];
+
+/** What somebody does in the picture. */
+export interface Acts {
+  pick: (path: number | null) => void;
+  /** To the path before or after. */
+  beside: (step: number) => void;
+  pause: () => void;
+  step: (by: number) => void;
+}
+
+export class Picture {
+  readonly element: HTMLElement;
+  readonly controls: HTMLElement;
+  readonly view: View;
+  private readonly arrows: Arrows;
+  private readonly arrowWords = el("span", {});
+  private coarseness = 0;
+  private busyMs = 0;
+
+  constructor(mesh: MeshMessage, first: FrameMessage, acts: Acts) {
+    const surface = surfaceOfRoles(mesh.roles, mesh.triangles, mesh.numClothFaces, first.positions);
+    this.view = new View(surface, [shownOf(first)], ({ path }) => acts.pick(path), true);
+    this.arrows = new Arrows(this.view.radius);
+    this.view.add(this.arrows);
+    const { canvas } = this.view;
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "application");
+    canvas.setAttribute("aria-label", "The cloth and its intersection paths");
+    canvas.setAttribute("aria-describedby", "keys");
+    canvas.addEventListener("keydown", (event) => this.key(event, acts));
+    const box = el("input", { type: "checkbox", id: "arrows", change: () => this.setArrows(box.checked) });
+    box.checked = true;
+    this.element = el("div", { class: "frame" }, canvas);
+    this.controls = el(
+      "div",
+      {},
+      viewControls(this.view, acts.beside, true),
+      el("label", { class: "plain arrows" }, box, "corrections as arrows: ", this.arrowWords),
+    );
+  }
+
+  private key(event: KeyboardEvent, acts: Acts) {
+    const actions: Record<string, () => void> = {
+      n: () => acts.beside(1),
+      p: () => acts.beside(-1),
+      ".": () => acts.step(1),
+      ",": () => acts.step(-1),
+      " ": acts.pause,
+      Escape: () => acts.pick(null),
+    };
+    const action = actions[event.key];
+    if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    action();
+  }
+
+  private setArrows(isShown: boolean) {
+    this.arrows.object.visible = isShown;
+    this.view.draw();
+  }
+
+  /** Resolves when it is drawn. */
+  show(frame: FrameMessage, picked: number | null): Promise<void> {
+    const unit = (value: number) => (frame.unit === "m" ? metres(value) : `${digits(value)} ${frame.unit}`);
+    this.arrowWords.textContent = this.arrows.show(frame, unit);
+    this.view.setStates([shownOf(frame)]);
+    if (picked !== null) this.view.pickPath(0, picked, false);
+    // `setStates` has asked for a picture in the next frame of the screen; the one after that comes when it is drawn.
+    return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())));
+  }
+
+  /** Draws coarser while pictures take long, and as fine as it can while it stands still. */
+  adapt(tookMs: number, isLive: boolean) {
+    if (!isLive) {
+      this.coarseness = 0;
+      this.busyMs = 0;
+    } else {
+      this.busyMs = this.busyMs === 0 ? tookMs : 0.8 * this.busyMs + 0.2 * tookMs;
+      const step = this.busyMs > SLOW_MS ? 1 : this.busyMs < FAST_MS ? -1 : 0;
+      const next = Math.max(0, Math.min(COARSENESSES.length - 1, this.coarseness + step));
+      // What the next fineness takes shows in some frames only.
+      if (next !== this.coarseness) this.busyMs = 0;
+      this.coarseness = next;
+    }
+    this.view.setCoarseness(COARSENESSES[this.coarseness]!);
+  }
+
+  dispose() {
+    this.view.dispose();
+  }
+}
