@@ -18,8 +18,8 @@ pub enum RequestKind {
     Close = 4,
     /// How is it going? The reply is a JSON document, schema `untangled.status/1`.
     Status = 5,
-    /// Watch a session. The reply's payload is a section table with the mesh: see
-    /// [`ReplyHeader::num_sections`]. The session's views are published from then on while somebody subscribes.
+    /// Watch a session. The reply's payload is a part of its mesh, see [`ReplyHeader::num_bytes`]. The session's views
+    /// are published from then on while somebody subscribes.
     Observe = 6,
 }
 
@@ -56,7 +56,7 @@ pub struct RequestHeader {
 }
 
 /// Header of a reply. The payload is UTF-8, a JSON document or the reason for a refusal in words; only that of a mesh
-/// ([`RequestKind::Observe`]) is a section table and its bytes.
+/// ([`RequestKind::Observe`]) is bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend)]
 #[repr(C)]
 #[type_name("untangled.control.ReplyHeader")]
@@ -77,8 +77,8 @@ pub struct ReplyHeader {
     /// Vertices of the session that was registered with [`SessionOptions::WELD`], those in one place counted once. Zero
     /// without that option, and from a daemon that does not know it.
     pub num_places: u64,
-    /// Entries of the section table in the payload of the reply to [`RequestKind::Observe`]; else zero.
-    pub num_sections: u64,
+    /// Bytes of the whole mesh of which the payload of the reply to [`RequestKind::Observe`] is a part; else zero.
+    pub num_bytes: u64,
 }
 
 /// The feature of a [`Hello`] that says that the daemon knows the section

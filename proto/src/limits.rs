@@ -42,3 +42,5 @@ pub const VIEW_BUFFER: usize = 1;
 pub const VIEW_BORROWED: usize = 1;
 /// Longest name of an observer in bytes.
 pub const MAX_NAME_BYTES: usize = 64;
+/// Longest part of a mesh in a reply to an observer in bytes: replies of this length keep the daemon's port small.
+pub const MAX_PART_BYTES: usize = 1 << 16;

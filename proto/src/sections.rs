@@ -34,6 +34,8 @@ pub mod id {
     /// What an observer is called: UTF-8, at most [`MAX_NAME_BYTES`](crate::limits::MAX_NAME_BYTES) bytes without
     /// control characters.
     pub const NAME: u32 = 12;
+    /// Where the part of a mesh begins that an observer asks for, in bytes, one `u64`; 0 without it.
+    pub const FROM: u32 = 13;
 }
 
 const ENTRY_BYTES: usize = 24;

@@ -27,7 +27,7 @@ fn headers_keep_layout_and_type_name() {
     });
     pin!(ReplyHeader, "untangled.control.ReplyHeader", size 64, align 8, {
         protocol_version @ 0, status @ 4, instance @ 8, session @ 16, token @ 24,
-        num_body_vertices @ 40, num_places @ 48, num_sections @ 56,
+        num_body_vertices @ 40, num_places @ 48, num_bytes @ 56,
     });
     pin!(StateHeader, "untangled.v1.StateHeader", size 64, align 8, {
         frame @ 0, simulated_s @ 8, dt_s @ 16, num_vertices @ 24, flags @ 28, progress @ 32,

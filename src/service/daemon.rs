@@ -101,6 +101,7 @@ fn lock(domain: &Domain) -> Result<DomainLock<'_>, LockError> {
 enum Task {
     Frame(Arc<Session>),
     Request(Box<MeshRequest>),
+    LateView(Arc<Session>),
 }
 
 impl Job for Task {
@@ -108,6 +109,7 @@ impl Job for Task {
         match self {
             Self::Frame(session) => session.is_large(),
             Self::Request(job) => job.is_large(),
+            Self::LateView(_) => false,
         }
     }
 
@@ -116,6 +118,10 @@ impl Job for Task {
             Self::Frame(session) => session.serve().then_some(Self::Frame(session)),
             Self::Request(job) => {
                 job.run();
+                None
+            }
+            Self::LateView(session) => {
+                session.publish_late_view();
                 None
             }
         }
@@ -176,7 +182,7 @@ impl Daemon {
                 dead_nodes.clean_up(&self.node);
                 self.registry.end_abandoned();
             }
-            self.hand_out_work();
+            wait = wait.min(self.hand_out_work());
         }
     }
 
@@ -198,14 +204,23 @@ impl Daemon {
 
     /// Answers requests, queues sessions that have a new state, drops sessions without a host. The events that announce
     /// them have been drained before, so that everything that comes from here on wakes the daemon again.
-    fn hand_out_work(&self) {
+    ///
+    /// Gives back the longest wait until there is something to do without an event.
+    fn hand_out_work(&self) -> Duration {
+        let mut longest = LONGEST_WAIT;
         self.control.answer(|job| self.pool.push(Task::Request(Box::new(job))));
         self.registry.sessions().retain(|session| {
             if session.wake() {
                 self.pool.push(Task::Frame(Arc::clone(session)));
             }
+            match session.take_late_view() {
+                Some(Duration::ZERO) => self.pool.push(Task::LateView(Arc::clone(session))),
+                Some(left) => longest = longest.min(left.max(FIRST_WAIT)),
+                None => {}
+            }
             session.has_host()
         });
+        longest
     }
 
     /// Whether a signal has come that asks to end. Costs a system call.

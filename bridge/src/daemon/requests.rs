@@ -104,6 +104,8 @@ fn serve(shared: &Arc<Shared>, host: &Arc<str>, request: &Request<'_>) -> Reply 
             }
             reply
         }
+        // It would show one host the cloth of another.
+        Some(RequestKind::Observe) => Reply::Refused("a session can't be watched through a bridge".to_owned()),
         _ => forward(shared, &local, request, OTHER),
     }
 }

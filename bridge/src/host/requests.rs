@@ -117,6 +117,11 @@ fn ask_for(
     match RequestKind::from_code(header.kind) {
         Some(RequestKind::Register) => register(shared, header, payload, layout),
         Some(RequestKind::UpdateSettings | RequestKind::Close) => to_session(shared, header, payload),
+        Some(RequestKind::Observe) => {
+            // Views do not cross the network, and a session here has another id there.
+            let message = "a session can't be watched through a bridge; watch it on the machine of its daemon";
+            Err(Refusal::new(Status::BadRequest, message).into())
+        }
         Some(RequestKind::Status) => {
             let Answer { header, payload } = to_any(shared, header, payload)?;
             let (payload, header) = status::add(shared, payload, header);

@@ -156,7 +156,7 @@ mod tests {
         let bytes = request.to_bytes();
         assert_eq!(Request::read(&bytes), Some(request));
         assert_eq!(Request::read(&bytes[..79]), None);
-        let header = ReplyHeader { status: 3, session: 5, reserved: 8, ..ReplyHeader::default() };
+        let header = ReplyHeader { status: 3, session: 5, num_bytes: 8, ..ReplyHeader::default() };
         let services = Services::default().with(Services::SPARSE, true).with(Services::REPAIRS, false);
         let reply = Reply::Answered { services, header, payload: b"words".to_vec() };
         assert_eq!(Reply::read(&reply.to_bytes()), Some(reply.clone()));

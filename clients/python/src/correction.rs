@@ -8,7 +8,10 @@ use std::{
 
 use pyo3::{prelude::*, types::PyDict};
 use untangled_client::{Correction, PathPoint, PathRecord, VertexCorrection, VertexEntry, VertexLabel, pair_type};
-use untangled_proto::correction::{REPAIRING, TRUNCATED, stage};
+use untangled_proto::{
+    CorrectionHeader,
+    correction::{REPAIRING, TRUNCATED, stage},
+};
 
 use crate::memory::Memory;
 
@@ -89,33 +92,38 @@ impl NativeCorrection {
     /// The header by name.
     fn header<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let header = *self.lock().header();
-        let dict = PyDict::new(py);
-        dict.set_item("frame", header.frame)?;
-        dict.set_item("simulated_s", header.simulated_s)?;
-        dict.set_item("dt_s", header.dt_s)?;
-        dict.set_item("kind", header.kind)?;
-        dict.set_item("truncated", header.flags & TRUNCATED != 0)?;
-        dict.set_item("being_repaired", header.flags & REPAIRING != 0)?;
-        dict.set_item("num_edge_face_intersections", header.num_edge_face_intersections)?;
-        dict.set_item("num_face_pairs", header.num_face_pairs)?;
-        dict.set_item("contour_length_m", header.contour_length_m)?;
-        dict.set_item("num_inside", header.num_inside)?;
-        dict.set_item("max_displacement_m", header.max_displacement_m)?;
-        dict.set_item("net_force_n", header.net_force_n)?;
-        dict.set_item("net_torque_nm", header.net_torque_nm)?;
-        let num_pairs = PyDict::new(py);
-        for (name, count) in pair_type::NAMES.iter().zip(header.num_pairs).filter(|(_, count)| *count > 0) {
-            num_pairs.set_item(*name, count)?;
-        }
-        dict.set_item("num_pairs", num_pairs)?;
-        let stages = PyDict::new(py);
-        for (name, nanoseconds) in stage::NAMES.iter().zip(header.stage_ns) {
-            stages.set_item(*name, nanoseconds)?;
-        }
-        dict.set_item("stage_ns", stages)?;
-        dict.set_item("num_skipped_frames", header.num_skipped_frames)?;
-        dict.set_item("num_pairs_left_out", header.num_pairs_left_out)?;
-        dict.set_item("length_left_out_m", header.length_left_out_m)?;
-        Ok(dict)
+        header_by_name(py, &header)
     }
+}
+
+/// The header of a correction by name.
+pub(crate) fn header_by_name<'py>(py: Python<'py>, header: &CorrectionHeader) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("frame", header.frame)?;
+    dict.set_item("simulated_s", header.simulated_s)?;
+    dict.set_item("dt_s", header.dt_s)?;
+    dict.set_item("kind", header.kind)?;
+    dict.set_item("truncated", header.flags & TRUNCATED != 0)?;
+    dict.set_item("being_repaired", header.flags & REPAIRING != 0)?;
+    dict.set_item("num_edge_face_intersections", header.num_edge_face_intersections)?;
+    dict.set_item("num_face_pairs", header.num_face_pairs)?;
+    dict.set_item("contour_length_m", header.contour_length_m)?;
+    dict.set_item("num_inside", header.num_inside)?;
+    dict.set_item("max_displacement_m", header.max_displacement_m)?;
+    dict.set_item("net_force_n", header.net_force_n)?;
+    dict.set_item("net_torque_nm", header.net_torque_nm)?;
+    let num_pairs = PyDict::new(py);
+    for (name, count) in pair_type::NAMES.iter().zip(header.num_pairs).filter(|(_, count)| *count > 0) {
+        num_pairs.set_item(*name, count)?;
+    }
+    dict.set_item("num_pairs", num_pairs)?;
+    let stages = PyDict::new(py);
+    for (name, nanoseconds) in stage::NAMES.iter().zip(header.stage_ns) {
+        stages.set_item(*name, nanoseconds)?;
+    }
+    dict.set_item("stage_ns", stages)?;
+    dict.set_item("num_skipped_frames", header.num_skipped_frames)?;
+    dict.set_item("num_pairs_left_out", header.num_pairs_left_out)?;
+    dict.set_item("length_left_out_m", header.length_left_out_m)?;
+    Ok(dict)
 }

@@ -3,6 +3,7 @@
 use pyo3::{create_exception, exceptions::PyException, prelude::*};
 use untangled_client::{
     ConnectError, FrameRefusal, NewestError, PublishError, RegisterError, RepairError, RequestError, WaitError,
+    observe::ObserveError,
 };
 
 create_exception!(untangled_cloth, Error, PyException, "What all errors of this package are.");
@@ -29,13 +30,16 @@ create_exception!(
      registers again by itself."
 );
 
+create_exception!(untangled_cloth, SessionEnded, Error, "The session that was watched has ended, or its daemon.");
+
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("Error", py.get_type::<Error>())?;
     module.add("NoDaemon", py.get_type::<NoDaemon>())?;
     module.add("Refused", py.get_type::<Refused>())?;
     module.add("FrameRefused", py.get_type::<FrameRefused>())?;
-    module.add("Missed", py.get_type::<Missed>())
+    module.add("Missed", py.get_type::<Missed>())?;
+    module.add("SessionEnded", py.get_type::<SessionEnded>())
 }
 
 pub(crate) fn request(error: RequestError) -> PyErr {
@@ -51,6 +55,17 @@ pub(crate) fn connect(error: ConnectError) -> PyErr {
     match error {
         ConnectError::Request(error) => request(error),
         other => Error::new_err(other.to_string()),
+    }
+}
+
+pub(crate) fn observe(error: ObserveError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        ObserveError::Connect(error) => connect(error),
+        ObserveError::Request(error) => request(error),
+        ObserveError::TooOld { .. } | ObserveError::TooMany { .. } => Refused::new_err(message),
+        ObserveError::SessionEnded { .. } | ObserveError::DaemonGone { .. } => SessionEnded::new_err(message),
+        ObserveError::Malformed { .. } => Error::new_err(message),
     }
 }
 

@@ -12,6 +12,7 @@ mod correction;
 mod error;
 mod library;
 mod memory;
+mod observe;
 mod repair;
 mod repaired;
 mod session;
@@ -25,11 +26,14 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<correction::NativeCorrection>()?;
     module.add_class::<repair::NativeRepair>()?;
     module.add_class::<contacts::NativeContactFilter>()?;
+    module.add_class::<observe::NativeObserver>()?;
+    module.add_class::<observe::NativeObservation>()?;
     module.add_class::<memory::Memory>()?;
     module.add_function(wrap_pyfunction!(library::analyse, module)?)?;
     module.add_function(wrap_pyfunction!(library::count_intersections, module)?)?;
     module.add_function(wrap_pyfunction!(library::fix, module)?)?;
     module.add_function(wrap_pyfunction!(session::status, module)?)?;
+    module.add_function(wrap_pyfunction!(observe::sessions, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     error::add(module)
 }

@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// Longest wait between two checks for Ctrl-C.
-const SLICE: Duration = Duration::from_millis(100);
+pub(crate) const SLICE: Duration = Duration::from_millis(100);
 
 /// A session, until it is closed.
 #[pyclass(frozen, module = "untangled_cloth._native")]
@@ -322,7 +322,7 @@ pub(crate) fn status(py: Python<'_>, domain: Option<String>, timeout_s: f64) -> 
 }
 
 /// A duration, at most a year.
-fn seconds(seconds: f64) -> PyResult<Duration> {
+pub(crate) fn seconds(seconds: f64) -> PyResult<Duration> {
     if seconds.is_nan() || seconds < 0.0 {
         return Err(PyValueError::new_err(format!("{seconds} seconds are no length of time to wait")));
     }

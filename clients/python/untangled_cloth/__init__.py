@@ -14,6 +14,7 @@ Without one: :func:`analyse` says what intersects, :func:`fix` moves vertices un
 Lengths are in metres, times in seconds, masses in kilograms, forces in newtons.
 """
 
+from . import observe
 from ._native import Error, FrameRefused, Missed, NoDaemon, Refused, __version__
 from ._program import program
 from .contacts import ContactFilter
@@ -61,6 +62,7 @@ __all__ = [
     "analyse",
     "count_intersections",
     "fix",
+    "observe",
     "program",
     "status",
 ]

@@ -12,6 +12,7 @@ from ._native import Error, NativeCorrection
 KINDS = ("force", "acceleration", "velocity", "displacement")
 PAIR_TYPES = ("CLOSED/CLOSED", "EIGHT", "LL", "BLI", "BLB", "BLLB", "CROSS", "BB/II", "BB/BI", "BB/BB", "BI/BI")
 PATH_TYPES = ("CLOSED", "LL", "BLI", "BLB", "BB", "BI", "II")
+PATH_STATES = ("unknown", "region", "no region", "left out")
 
 
 class Path:
@@ -20,7 +21,7 @@ class Path:
     def __init__(
         self, record: NDArray[np.uint32], points: NDArray[np.float64], faces: NDArray[np.uint32]
     ) -> None:
-        pair, pair_type, path_type, partner, closed, first, count = (int(word) for word in record[:7])
+        pair, pair_type, path_type, partner, closed, first, count, state = (int(word) for word in record)
         # The daemon wrote these numbers; slices stay within the points that were received, for any numbers.
         self.points = points[first : first + count]
         """World positions in metres, `num_points x 3`."""
@@ -36,6 +37,11 @@ class Path:
         """Index of the corresponding path; its own where it is its own."""
         self.closed = closed != 0
         """Whether it is a loop on the cloth."""
+        self.state = PATH_STATES[state] if state < len(PATH_STATES) else "?"
+        """What became of it, as in `untangled_cloth.correction.PATH_STATES`: `unknown` but for observers.
+
+        `region`: its pair has vertices inside; `no region`: it has none; `left out`: time was up before.
+        """
 
     def __repr__(self) -> str:
         return f"<untangled_cloth.Path {self.type} of {self.pair_type}, {len(self.points)} points>"
@@ -50,7 +56,7 @@ class Paths(Sequence[Path]):
         self.records = records
         """`num_paths x 8`, as on the wire.
 
-        Pair, pair type, path type, partner, closed, first point, number of points, zero.
+        Pair, pair type, path type, partner, closed, first point, number of points, state.
         """
         self.points = points
         """Points of all paths in metres, `num_points x 3`."""

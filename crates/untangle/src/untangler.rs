@@ -105,7 +105,7 @@ impl Untangler {
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
-        let (analysis, search) = (self.analyser.last(), self.analyser.search_end());
+        let analysis = self.analyser.last();
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
         if matches!(self.settings.response, Response::Displacement | Response::Coupled) {
             observer.begin(Stage::Respond);
@@ -114,9 +114,15 @@ impl Untangler {
             self.proposer.propose(&view, &mut self.responder, observer);
             observer.end();
         }
+        self.last()
+    }
+
+    /// The outcome of the last frame that was processed; an empty one before the first.
+    #[must_use]
+    pub fn last(&self) -> Outcome<'_> {
         Outcome {
-            search,
-            analysis,
+            search: self.analyser.search_end(),
+            analysis: self.analyser.last(),
             correspondences: self.responder.correspondences(),
             corrections: self.responder.corrections(),
         }

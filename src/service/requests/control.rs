@@ -102,7 +102,7 @@ impl ControlServer {
 impl MeshRequest {
     /// Whether it may take so long that small sessions must not wait for it.
     pub(crate) fn is_large(&self) -> bool {
-        self.request.payload().len() > LARGE_BYTES || self.header.kind == RequestKind::Observe as u32
+        self.request.payload().len() > LARGE_BYTES
     }
 
     pub(crate) fn run(self) {

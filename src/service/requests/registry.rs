@@ -63,6 +63,10 @@ impl Registry {
         &self.options
     }
 
+    pub(crate) fn node(&self) -> &Node<Ipc> {
+        &self.node
+    }
+
     pub(crate) fn instance(&self) -> u64 {
         self.instance
     }
@@ -113,16 +117,6 @@ impl Registry {
             tracing::info!(session = id, num_suppressed, "session closed");
         }
         Ok(())
-    }
-
-    /// The mesh of a session for one that wants to watch it: a payload, and its number of sections.
-    pub(crate) fn observe(
-        &self,
-        id: u64,
-        asked_by: Option<ProcessId>,
-        name: Option<String>,
-    ) -> Result<(Vec<u8>, u32), Refusal> {
-        self.find(id)?.observe(&self.node, self.instance, asked_by, name)
     }
 
     /// Opens a session. Gives back its id, and its cloth.

@@ -1,13 +1,16 @@
 //! Replies: answers a request and sends the reply.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use iceoryx2::{active_request::ActiveRequest, port::notifier::Notifier, prelude::EventId};
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, ReplyHeader, RequestHeader, RequestKind, SessionOptions,
     Status,
     control::{BODY, Hello, OBSERVE},
-    limits::MAX_NAME_BYTES,
+    limits::{MAX_NAME_BYTES, MAX_PART_BYTES},
     memory::{PayloadLayout, reply_sample_bytes},
     names,
     sections::{Sections, id},
@@ -32,8 +35,8 @@ struct Answer {
     session: u64,
     num_body_vertices: u64,
     num_places: u64,
-    /// Of the payload, where it is no text.
-    num_sections: u64,
+    /// Of the whole of which the payload is a part, where it is no text.
+    num_bytes: u64,
     payload: Vec<u8>,
 }
 
@@ -42,11 +45,14 @@ struct Answer {
 pub(crate) struct Replier {
     notifier: Notifier<Ipc>,
     registry: Arc<Registry>,
+    /// Whether a reply was longer than there is committed room for: the samples of all later ones are longer as well,
+    /// and their pages are not taken before they are written to.
+    has_grown: AtomicBool,
 }
 
 impl Replier {
     pub(crate) fn new(notifier: Notifier<Ipc>, registry: Arc<Registry>) -> Self {
-        Self { notifier, registry }
+        Self { notifier, registry, has_grown: AtomicBool::new(false) }
     }
 
     /// Does what a request asks for, and replies.
@@ -89,10 +95,12 @@ impl Replier {
                 plain(String::new())
             }
             RequestKind::Observe => {
+                let session = self.registry.find(header.session)?;
                 let asked_by = ProcessId::of(request.origin().value());
-                let (payload, num_sections) =
-                    self.registry.observe(header.session, asked_by, observer_name(&sections)?)?;
-                Ok(Answer { payload, num_sections: num_sections.into(), ..Answer::default() })
+                let name = observer_name(&sections)?;
+                let mesh = session.observe(self.registry.node(), self.registry.instance(), asked_by, name)?;
+                let payload = part(mesh, &sections)?.to_vec();
+                Ok(Answer { payload, num_bytes: mesh.len() as u64, ..Answer::default() })
             }
         }
     }
@@ -139,8 +147,9 @@ impl Replier {
             Ok(answer) => (Status::Ok, answer),
             Err(refusal) => (refusal.status, Answer { payload: refusal.message.into_bytes(), ..Answer::default() }),
         };
-        let Answer { session, num_body_vertices, num_places, num_sections, payload } = answer;
-        check_room(payload.len(), layout)?;
+        let Answer { session, num_body_vertices, num_places, num_bytes, payload } = answer;
+        let has_grown = self.has_grown.fetch_or(payload.len() > REPLY_BYTES, Ordering::Relaxed);
+        check_room(payload.len(), layout, has_grown)?;
         let mut reply = request
             .loan_slice_uninit(payload.len())
             .map_err(|error| ServeError::transport("loaning a reply", &error))?;
@@ -152,7 +161,7 @@ impl Replier {
             token,
             num_body_vertices,
             num_places,
-            num_sections,
+            num_bytes,
         };
         let reply = reply.write_from_slice(&payload);
         reply.send().map_err(|error| ServeError::transport("sending a reply", &error))?;
@@ -167,12 +176,12 @@ fn sections<'a>(header: &RequestHeader, payload: &'a [u8]) -> Result<Sections<'a
     Sections::parse(payload, num_sections).map_err(|error| Refusal::new(Status::BadRequest, error))
 }
 
-/// Whether shared memory has room for a reply that is longer than [`REPLY_BYTES`]: its segment grows then, and writing
-/// to a page that the system can't provide ends the process with SIGBUS.
-fn check_room(length: usize, layout: PayloadLayout) -> Result<(), ServeError> {
+/// Whether shared memory has room for a reply that is longer than [`REPLY_BYTES`], or comes after one: the segment has
+/// grown then, and writing to a page that the system can't provide ends the process with SIGBUS.
+fn check_room(length: usize, layout: PayloadLayout, has_grown: bool) -> Result<(), ServeError> {
     // Times 2, since samples grow by powers of two. Only the pages that are written to are taken.
     let needed = reply_sample_bytes(2 * length, layout);
-    if length > REPLY_BYTES && memory::free().is_ok_and(|free| free < needed) {
+    if (has_grown || length > REPLY_BYTES) && memory::free().is_ok_and(|free| free < needed) {
         return Err(ServeError::NoRoom { what: "loaning a reply" });
     }
     Ok(())
@@ -198,6 +207,19 @@ fn observer_name(sections: &Sections<'_>) -> Result<Option<String>, Refusal> {
         Ok(name) if !name.contains(char::is_control) => Ok(Some(name)),
         _ => refused(format_args!("section 12 (name) must be UTF-8 without control characters")),
     }
+}
+
+/// The part of a mesh that an observer asks for.
+fn part<'a>(mesh: &'a [u8], sections: &Sections<'_>) -> Result<&'a [u8], Refusal> {
+    let from = match sections.bytes(id::FROM) {
+        None => Ok(0),
+        Some(bytes) => bytes.try_into().map(u64::from_le_bytes),
+    };
+    let rest = from.ok().and_then(|from| mesh.get(usize::try_from(from).ok()?..)).ok_or_else(|| {
+        let message = format_args!("section 13 (from) must be a number of 8 bytes, at most {}", mesh.len());
+        Refusal::new(Status::BadRequest, message)
+    })?;
+    Ok(&rest[..rest.len().min(MAX_PART_BYTES)])
 }
 
 fn json(value: &impl serde::Serialize) -> String {

@@ -47,7 +47,7 @@ use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
 pub(crate) use watched::Observer;
-use watched::{PathsPort, ViewDesk, ViewPort, mesh_sections};
+use watched::{PathsPort, ViewDesk, ViewPort, mesh_bytes};
 use work::{Ports, SessionRepairs, Work};
 
 /// How long a host may take from the reply to the creation of its publisher.
@@ -186,18 +186,17 @@ impl Session {
         self.repairs.as_ref().map(|desk| desk.counts())
     }
 
-    /// Its mesh, for one that wants to watch: the payload of the reply, and its number of sections. From now on it
-    /// publishes views while somebody subscribes.
+    /// Its mesh as bytes, for one that wants to watch. From now on it publishes views while somebody subscribes.
     pub(crate) fn observe(
         &self,
         node: &Node<Ipc>,
         instance: u64,
         asked_by: Option<ProcessId>,
         name: Option<String>,
-    ) -> Result<(Vec<u8>, u32), Refusal> {
+    ) -> Result<&[u8], Refusal> {
         let opened = self.views.open(node, instance, self.id, asked_by, name);
         opened.map_err(|error| Refusal::new(Status::Internal, error))?;
-        Ok(mesh_sections(&self.cloth, self.precision, self.correction))
+        Ok(self.views.mesh(|| mesh_bytes(&self.cloth, self.precision, self.correction)))
     }
 
     /// Who watches it.
@@ -276,6 +275,19 @@ impl Session {
             if self.states.has_state() {
                 return true;
             }
+        }
+    }
+
+    /// How long the view of its last frame has to wait yet, if it waits; at zero it is the caller's to have it
+    /// [published](Self::publish_late_view).
+    pub(crate) fn take_late_view(&self) -> Option<Duration> {
+        self.views.take_due()
+    }
+
+    /// Publishes the view of its last frame, which had to wait. A frame that is in work publishes its own.
+    pub(crate) fn publish_late_view(&self) {
+        if let Ok(mut work) = self.work.try_lock() {
+            work.publish_late_view();
         }
     }
 

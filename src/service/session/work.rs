@@ -26,6 +26,7 @@ use super::{
     watched::{PathsPort, View, ViewPort},
 };
 use crate::service::{
+    error::ServeError,
     repair::{RepairDesk, RepairWorkers},
     throttle::Throttle,
 };
@@ -36,10 +37,9 @@ const PANICKED: StateFault = StateFault { status: Status::Internal, index: NO_FA
 /// What a worker needs for a frame.
 #[derive(Debug)]
 pub(crate) struct Work {
-    corrections: CorrectionPort,
-    paths: PathsPort,
-    views: ViewPort,
-    repairs: Option<SessionRepairs>,
+    ports: Ports,
+    /// The last frame, where its view has to wait.
+    late_view: Option<LateView>,
     untangler: Untangler,
     frame: Frame,
     /// Positions of the host's vertices, where these are welded.
@@ -61,14 +61,11 @@ impl Work {
         untangler: Untangler,
         ports: Ports,
     ) -> Self {
-        let Ports { corrections, paths, views, repairs } = ports;
         let (frame, copied, touched) = (Frame::default(), Vec::new(), TouchedMemory::default());
         let (num_skipped_frames, last_frame) = (0, None);
         Self {
-            corrections,
-            paths,
-            views,
-            repairs,
+            ports,
+            late_view: None,
             untangler,
             frame,
             copied,
@@ -112,9 +109,8 @@ impl Work {
         record: impl FnOnce(&CorrectionHeader),
     ) -> CorrectionHeader {
         self.count_skipped(state.frame);
-        let Self {
-            corrections: port, paths, views, repairs, untangler, frame, touched, cloth, correction: kind, ..
-        } = self;
+        let Self { ports, late_view, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Ports { corrections: port, paths, views, repairs } = ports;
         let checked = read.and_then(|()| ingest::check_header(state, cloth.num_vertices()));
         let settings = untangler.settings().clone();
         let limits = FrameLimits {
@@ -142,15 +138,13 @@ impl Work {
             paths.publish(state.frame, &outcome.analysis.paths);
         }
         if let Err(error) = port.send(&mut header, clock, record, values.as_ref()) {
-            static LOST: Throttle = Throttle::new();
-            if let Some(num_suppressed) = LOST.admit() {
-                tracing::warn!(%error, session = self.session, num_suppressed, "the correction is lost");
-            }
+            log_lost(self.session, &error);
         }
         // After the correction, so that observers cost no latency.
-        let found = outcome.as_ref().ok().zip(values.as_ref());
-        let (frame, seen) = (&*frame, checked.is_ok().then_some(&*frame));
-        views.publish(&View { correction: &header, cloth, frame: seen, found });
+        let (seen, found) = (checked.is_ok().then_some(&*frame), outcome.as_ref().ok().zip(values.as_ref()));
+        let is_published = views.publish(&View { correction: &header, cloth, frame: seen, found });
+        let waiting = LateView { header, has_positions: seen.is_some(), has_outcome: found.is_some() };
+        *late_view = (!is_published).then_some(waiting);
         let is_broken = matches!(outcome, Err(StateFault { status: Status::Internal, .. }));
         // After the correction, which waits for no repair.
         if let Some(repairs) = repairs {
@@ -160,6 +154,20 @@ impl Work {
             self.reset();
         }
         header
+    }
+
+    /// Publishes the view of the last frame, where it had to wait and no other frame has come.
+    pub(crate) fn publish_late_view(&mut self) {
+        let Self { ports, late_view, untangler, frame, touched, cloth, correction: kind, .. } = self;
+        let Some(LateView { header, has_positions, has_outcome }) = late_view.take() else { return };
+        let outcome = has_outcome.then(|| untangler.last());
+        let values = outcome.as_ref().map(|outcome| {
+            let corrections = outcome.corrections;
+            let touched = Touched::of(cloth, corrections, touched);
+            Values { cloth, corrections, touched, kind: *kind, dt_s: header.dt_s }
+        });
+        let (frame, found) = (has_positions.then_some(&*frame), outcome.as_ref().zip(values.as_ref()));
+        ports.views.publish_late(&View { correction: &header, cloth, frame, found });
     }
 
     fn count_skipped(&mut self, frame: u64) {
@@ -177,6 +185,14 @@ impl Work {
             self.untangler = fresh;
         }
     }
+}
+
+/// A frame whose view has to wait: its header, and what the memory of the work holds of it.
+#[derive(Clone, Copy, Debug)]
+struct LateView {
+    header: CorrectionHeader,
+    has_positions: bool,
+    has_outcome: bool,
 }
 
 /// The ports that the work of a session sends to.
@@ -232,6 +248,13 @@ fn process_guarded<'a>(untangler: &'a mut Untangler, frame: &'a Frame, clock: &m
         untangler.process(frame, clock)
     }))
     .ok()
+}
+
+fn log_lost(session: u64, error: &ServeError) {
+    static LOST: Throttle = Throttle::new();
+    if let Some(num_suppressed) = LOST.admit() {
+        tracing::warn!(%error, session, num_suppressed, "the correction is lost");
+    }
 }
 
 fn log_frame(session: u64, header: &CorrectionHeader) {

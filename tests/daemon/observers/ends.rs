@@ -29,13 +29,12 @@ fn observers_hear_that_the_session_has_ended() {
         let mut session = client.register(sheet(4)).unwrap();
         let mut observer = observe(&domain);
         session.exchange(STEP, PATIENCE, fill_flat).unwrap();
+        assert_eq!(observer.latest(PATIENCE).unwrap().unwrap().frame(), 1);
         if closes {
             session.close(PATIENCE).unwrap();
         } else {
             drop(session);
         }
-        // What was sent before is still seen.
-        assert_eq!(observer.latest(PATIENCE).unwrap().unwrap().frame(), 1);
         let error = observer.latest(PATIENCE).unwrap_err();
         assert!(matches!(error, ObserveError::SessionEnded { .. }), "{error}");
         assert!(error.is_end() && error.to_string().contains("has ended"), "{error}");
@@ -53,7 +52,7 @@ fn observers_find_their_session_again_after_the_daemon_was_killed() {
     let client = domain.connect();
     let mut other = client.register(sheet(4)).unwrap();
     let mut session = client.register(sheet(4)).unwrap();
-    let mut exchange = |session: &mut untangled_client::Session| {
+    let exchange = |session: &mut untangled_client::Session| {
         eventually("the session goes on", || session.exchange(STEP, Duration::from_millis(200), fill_flat).is_ok());
     };
     let found = untangled_client::observe::sessions(&super::options(&domain)).unwrap();
@@ -65,7 +64,7 @@ fn observers_find_their_session_again_after_the_daemon_was_killed() {
         let error = observer.latest(PATIENCE).unwrap_err();
         assert!(matches!(error, ObserveError::DaemonGone { .. }), "{error}");
         let error = observer.reopen(Duration::from_millis(50)).unwrap_err();
-        assert!(error.to_string().contains("no untangled daemon serves"), "{error}");
+        assert!(matches!(error, ObserveError::Connect(_)), "{error}");
         daemon = Daemon::start(&domain);
         exchange(&mut other);
         exchange(&mut session);
@@ -87,6 +86,8 @@ fn views_take_memory_only_while_somebody_watches() {
     let _daemon = Daemon::start(&domain);
     let mut session = domain.connect().register(sheet(200)).unwrap();
     let mut frame = || drop(session.exchange(STEP, PATIENCE, fill_flat).unwrap());
+    // The first observer's request leaves the services, and makes room for longer replies.
+    drop(observe(&domain));
     (0..3).for_each(|_| frame());
     let before = domain.shared_bytes();
     let mut observer = observe(&domain);
@@ -98,9 +99,8 @@ fn views_take_memory_only_while_somebody_watches() {
     // A few samples of the 33 that there is room for: 485 kB of positions each.
     assert!((485_000..2_500_000).contains(&with), "{with}");
     drop(observer);
-    frame();
     eventually("the memory of the views is given back", || {
         frame();
-        domain.shared_bytes() < before + 100_000
+        domain.shared_bytes() <= before + 50_000
     });
 }

@@ -86,7 +86,8 @@ fn requests_that_are_wrong_are_refused_in_words() {
         change(&mut header);
         peer.request(header, &payload).expect("a reply")
     };
-    let refusals: [(&dyn Fn(&mut RequestHeader), Vec<u8>, Status, &str); 5] = [
+    type Change<'a> = &'a dyn Fn(&mut RequestHeader);
+    let refusals: [(Change<'_>, Vec<u8>, Status, &str); 5] = [
         (&|header| header.protocol_version = 2, vec![], Status::UnsupportedProtocol, "protocol 2, this daemon 1"),
         (&|header| header.session = 7, vec![], Status::UnknownSession, "there is no session 7"),
         (&|_| {}, vec![b'x'; MAX_NAME_BYTES + 1], Status::BadRequest, "has 65 bytes; at most 64 are allowed"),
@@ -98,12 +99,24 @@ fn requests_that_are_wrong_are_refused_in_words() {
         let said = String::from_utf8(said).unwrap();
         assert_eq!(reply.status, status.code(), "{said}");
         assert!(said.contains(words), "{said}");
-        assert_eq!(reply.num_sections, 0);
+        assert_eq!(reply.num_bytes, 0);
     }
     let (reply, mesh) = ask(&|_| {}, b"x");
-    // 25 vertices and 32 triangles.
-    assert_eq!((reply.status, reply.num_sections), (0, 2));
-    assert_eq!(mesh.len(), 2 * 24 + 32 + 32 * 12);
+    // Two sections, of 25 vertices and 32 triangles.
+    assert_eq!((reply.status, reply.num_bytes), (0, mesh.len() as u64));
+    assert_eq!((mesh.len(), mesh[0]), (8 + 2 * 24 + 32 + 32 * 12, 2));
+    let number = |from: u64| from.to_le_bytes().to_vec();
+    for (from, length) in [(number(400), Some(72)), (number(473), None), (vec![0; 4], None)] {
+        let (payload, num_sections) = SectionWriter::default().bytes(id::FROM, from).finish();
+        let (reply, part) = peer.request(RequestHeader { session: 1, ..header(kind, num_sections) }, &payload).unwrap();
+        if let Some(length) = length {
+            assert_eq!((reply.status, reply.num_bytes, part.len()), (0, 472, length));
+        } else {
+            let said = String::from_utf8(part).unwrap();
+            assert_eq!(reply.status, Status::BadRequest.code());
+            assert_eq!(said, "section 13 (from) must be a number of 8 bytes, at most 472");
+        }
+    }
     assert!(matches!(
         Observer::open(options(&domain), 9).unwrap_err(),
         ObserveError::Request(error) if error.to_string().contains("there is no session 9")

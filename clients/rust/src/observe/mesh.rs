@@ -25,10 +25,11 @@ pub struct ObservedMesh {
 }
 
 impl ObservedMesh {
-    /// The mesh of a reply, if its parts fit together; else what does not.
-    pub(super) fn read(payload: &[u8], num_sections: u64) -> Result<Self, String> {
+    /// The mesh as a daemon sends it, if its parts fit together; else what does not.
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, String> {
         let in_words = |error: SectionError| error.to_string();
-        let num_sections = usize::try_from(num_sections).unwrap_or(usize::MAX);
+        let (num_sections, payload) = bytes.split_first_chunk().ok_or("it has no sections")?;
+        let num_sections = usize::try_from(u64::from_le_bytes(*num_sections)).unwrap_or(usize::MAX);
         let sections = Sections::parse(payload, num_sections).map_err(in_words)?;
         let params = sections.bytes(id::PARAMS).and_then(RegisterParams::from_bytes).ok_or("it has no parameters")?;
         let list = |id| {
@@ -82,7 +83,7 @@ mod tests {
         writer.bytes(id::PARAMS, params.to_bytes().to_vec()).u32s(id::TRIANGLES, triangles).u32s(id::PINS, &[[1]]);
         writer.u32s(id::LAYERS, &layers.iter().map(|&layer| [layer]).collect::<Vec<_>>());
         let (payload, num_sections) = writer.finish();
-        ObservedMesh::read(&payload, num_sections.into())
+        ObservedMesh::read(&[&u64::from(num_sections).to_le_bytes()[..], &payload].concat())
     }
 
     #[test]
@@ -93,6 +94,7 @@ mod tests {
         assert_eq!(mesh.correction, CorrectionKind::VelocityChange);
         assert_eq!(read(&[[0, 3, 1]], &[0; 3]).unwrap_err(), "vertex 3 is named, and there are 3");
         assert_eq!(read(&[[0, 2, 1]], &[0; 2]).unwrap_err(), "2 vertices have a layer, and there are 3");
-        assert_eq!(ObservedMesh::read(&[], 0).unwrap_err(), "it has no parameters");
+        assert_eq!(ObservedMesh::read(&[0; 8]).unwrap_err(), "it has no parameters");
+        assert_eq!(ObservedMesh::read(&[0; 7]).unwrap_err(), "it has no sections");
     }
 }

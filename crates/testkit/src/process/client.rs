@@ -61,10 +61,10 @@ impl Drop for ClientProcess {
 
 /// What a client process does, by its role: `frames` exchanges frames and keeps corrections, `loan` stops while it
 /// holds a loan, `register` registers a large mesh over and over, `observe`
-/// watches the first session.
+/// watches the first session, `observe1` the second.
 pub fn client_main(domain: &str, role: &str) {
-    if role == "observe" {
-        return observer_main(domain);
+    if let Some(place) = role.strip_prefix("observe") {
+        return observer_main(domain, place.parse().unwrap_or(0));
     }
     // Long enough to outlive a daemon that is restarted, and not much longer than the test that watches it.
     let options = ClientOptions { domain: Some(domain.to_owned()), timeout: PATIENCE };

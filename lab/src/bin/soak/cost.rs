@@ -9,6 +9,7 @@ use untangled_testkit::process::{ClientProcess, KnownCloth, PATIENCE, Programs, 
 use crate::{
     allocations,
     frames::{median, sheet},
+    programs::PROGRAMS,
 };
 
 /// Allocations for each frame after warm-up, in the client's thread and in all threads of a daemon in this process.
@@ -34,11 +35,24 @@ pub(crate) fn allocations_per_frame() -> Vec<String> {
             drop(exchanged.expect("an answer"));
         }
     };
-    for (what, is_tangled) in [("no contact, 16,000 vertices", false), ("tangled, 5,000 vertices", true)] {
+    for (what, is_tangled, is_watched) in [
+        ("no contact, 16,000 vertices", false, false),
+        ("tangled, 5,000 vertices", true, false),
+        ("no contact, watched", false, true),
+        ("tangled, watched", true, true),
+    ] {
+        // In a process of its own, whose allocations are not counted.
+        let watching = is_watched.then(|| {
+            let role = if is_tangled { "observe1" } else { "observe0" };
+            let mut observer = ClientProcess::start(PROGRAMS, &domain, role);
+            observer.wait_for("at opened");
+            observer
+        });
         (0..200).for_each(|_| frame_of(is_tangled));
         let [own, others] = least_allocations(|| (0..WINDOW).for_each(|_| frame_of(is_tangled)));
         let per_frame = |count: u64| count as f64 / WINDOW as f64;
         lines.push(format!("| {what} | {} | {} | {own} + {others} |", per_frame(own), per_frame(others)));
+        drop(watching);
     }
     drop((flat, scene, client));
     shutdown.request();

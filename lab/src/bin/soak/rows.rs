@@ -11,11 +11,12 @@ use untangled_testkit::{
 use crate::{plan::Plan, programs::PROGRAMS};
 
 /// Names of all rows, in the order of the table.
-pub(crate) const ROWS: [&str; 16] = [
+pub(crate) const ROWS: [&str; 17] = [
     "client-kills",
     "daemon-kills",
     "all-killed",
     "stopped",
+    "observers",
     "open-close",
     "full-memory",
     "after-sending",
@@ -37,6 +38,7 @@ pub(crate) fn make_row(name: &str, plan: &Plan) -> Option<Row> {
         "daemon-kills" => faults::daemon_kills(PROGRAMS, plan.count(200), plan.seed),
         "all-killed" => faults::all_killed(PROGRAMS, plan.count(100), plan.seed),
         "stopped" => faults::stopped_clients(PROGRAMS, plan.count(200), plan.seed),
+        "observers" => faults::observer_faults(PROGRAMS, plan.count(300), plan.seed),
         "open-close" => faults::open_and_close(PROGRAMS, plan.count(1000)),
         "full-memory" => return faults::full_memory(this_program("full-memory", &[])),
         "after-sending" => faults::writing_after_sending(PROGRAMS, plan.count(2000), plan.seed),

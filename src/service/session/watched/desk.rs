@@ -1,6 +1,12 @@
 //! Who watches a session: the services of its views, and the names of its observers.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::{
+    sync::{
+        Mutex, OnceLock, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
+};
 
 use iceoryx2::{
     port::notifier::Notifier,
@@ -11,6 +17,7 @@ use untangled_proto::{
     names::{self, SessionService},
 };
 use untangled_transport::{
+    clock,
     process_id::ProcessId,
     services::{Event, Ipc},
     views::{self, Views},
@@ -25,6 +32,11 @@ const MAX_NAMES: usize = 2 * MAX_OBSERVERS;
 #[derive(Debug, Default)]
 pub(crate) struct ViewDesk {
     services: OnceLock<Services>,
+    /// The mesh as observers get it, once somebody has asked: they fetch it in parts.
+    mesh: OnceLock<Vec<u8>>,
+    /// When the view of the last frame is to be published, if no other frame comes before: nanoseconds of the clock of
+    /// all processes; 0 where there is none to be published.
+    due_ns: AtomicU64,
     /// What observers call themselves.
     names: Mutex<Vec<(ProcessId, String)>>,
 }
@@ -69,6 +81,11 @@ impl ViewDesk {
         Ok(())
     }
 
+    /// The mesh as observers get it; `make` makes it for the first one.
+    pub(crate) fn mesh(&self, make: impl FnOnce() -> Vec<u8>) -> &[u8] {
+        self.mesh.get_or_init(make)
+    }
+
     /// The service of views, once somebody has asked for it.
     pub(crate) fn views(&self) -> Option<&Views> {
         self.services.get().map(|services| &services.views)
@@ -80,6 +97,29 @@ impl ViewDesk {
             // An error means that an observer is gone.
             let _ = services.notifier.notify_with_custom_event_id(EventId::new(names::EVENT_VIEW));
         }
+    }
+
+    /// The view of the last frame waits until `due`.
+    pub(crate) fn postpone(&self, due: Duration) {
+        self.due_ns.store(u64::try_from(due.as_nanos()).unwrap_or(u64::MAX), Ordering::Release);
+    }
+
+    /// Nothing waits any more.
+    pub(crate) fn clear(&self) {
+        self.due_ns.store(0, Ordering::Release);
+    }
+
+    /// How long the view of the last frame has to wait yet; none where there is none, or somebody has taken it. One
+    /// that need not wait is taken.
+    pub(crate) fn take_due(&self) -> Option<Duration> {
+        let due_ns = self.due_ns.load(Ordering::Acquire);
+        if due_ns == 0 {
+            return None;
+        }
+        let left = Duration::from_nanos(due_ns).saturating_sub(clock::monotonic());
+        let is_taken =
+            left.is_zero() && self.due_ns.compare_exchange(due_ns, 0, Ordering::AcqRel, Ordering::Acquire).is_err();
+        (!is_taken).then_some(left)
     }
 
     /// Who watches now. Those that did not say what they are called have the name of their program.

@@ -7,13 +7,13 @@ use untangled_proto::{
 
 use crate::service::session::cloth::Cloth;
 
-/// The payload of the reply, and the number of its sections: parameters, triangles, and bodies, pins and layers where
-/// there are such. All by the host's vertices; a corner on a welded seam is the lowest of those in its place.
-pub(in crate::service::session) fn mesh_sections(
+/// The number of its sections, 8 bytes, and these: parameters, triangles, and bodies, pins and layers where there are
+/// such. All by the host's vertices; a corner on a welded seam is the lowest of those in its place.
+pub(in crate::service::session) fn mesh_bytes(
     cloth: &Cloth,
     precision: Precision,
     correction: CorrectionKind,
-) -> (Vec<u8>, u32) {
+) -> Vec<u8> {
     let (mesh, n) = (cloth.mesh(), cloth.num_vertices());
     let params = RegisterParams {
         num_vertices: n as u64,
@@ -42,5 +42,6 @@ pub(in crate::service::session) fn mesh_sections(
         let layers: Vec<[u32; 1]> = (0..n).map(|index| [layers[cloth.mesh_vertex(index).index()]]).collect();
         writer.u32s(id::LAYERS, &layers);
     }
-    writer.finish()
+    let (payload, num_sections) = writer.finish();
+    [&u64::from(num_sections).to_le_bytes()[..], &payload].concat()
 }

@@ -19,6 +19,6 @@ mod views;
 
 pub(crate) use desk::{Observer, ViewDesk};
 pub(super) use encode::View;
-pub(super) use mesh::mesh_sections;
+pub(super) use mesh::mesh_bytes;
 pub(super) use paths::PathsPort;
 pub(super) use views::ViewPort;

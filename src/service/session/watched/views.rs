@@ -1,6 +1,6 @@
 //! Publishes views of a session's frames.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use iceoryx2::{
     port::publisher::Publisher,
@@ -18,7 +18,12 @@ use super::{
 };
 use crate::service::{error::ServeError, throttle::Throttle};
 
-/// Publishes views while somebody subscribes.
+/// Least time between two views. People see no more, and a session may have thousands of frames a second, each shorter
+/// than it takes to write a view.
+const INTERVAL: Duration = Duration::from_millis(20);
+
+/// Publishes views while somebody subscribes, at most one in [`INTERVAL`]. The view of a frame that comes too early
+/// waits; that of the next one takes its place.
 #[derive(Debug)]
 pub(in crate::service::session) struct ViewPort {
     publisher: Option<Publisher<Ipc, [u8], ViewHeader>>,
@@ -26,25 +31,64 @@ pub(in crate::service::session) struct ViewPort {
     states: Vec<u32>,
     /// Frames that were answered so far.
     num_frames: u64,
+    /// When the last correction had been sent.
+    sent: Duration,
+    /// When the last view was published, by the clock of all processes.
+    published: Option<Duration>,
     desk: Arc<ViewDesk>,
 }
 
 impl ViewPort {
     pub(in crate::service::session) fn new(desk: Arc<ViewDesk>) -> Self {
-        Self { publisher: None, bytes: Vec::new(), states: Vec::new(), num_frames: 0, desk }
+        Self {
+            publisher: None,
+            bytes: Vec::new(),
+            states: Vec::new(),
+            num_frames: 0,
+            sent: Duration::ZERO,
+            published: None,
+            desk,
+        }
     }
 
-    /// Publishes the view of a frame whose correction has gone out, if there is a subscriber.
-    pub(in crate::service::session) fn publish(&mut self, view: &View<'_>) {
+    /// Publishes the view of a frame whose correction has gone out, if there is a subscriber; false where it has to
+    /// wait.
+    pub(in crate::service::session) fn publish(&mut self, view: &View<'_>) -> bool {
         self.num_frames += 1;
-        let Self { publisher, bytes, states, num_frames, desk } = self;
-        let Some(views) = desk.views() else { return };
-        if views.dynamic_config().number_of_subscribers() == 0 {
-            // Its memory is given back.
-            *publisher = None;
-            return;
+        if !self.is_watched() {
+            return true;
         }
-        let sent_ns = u64::try_from(clock::monotonic().as_nanos()).unwrap_or(u64::MAX);
+        self.sent = clock::monotonic();
+        if let Some(published) = self.published.filter(|published| self.sent < *published + INTERVAL) {
+            self.desk.postpone(published + INTERVAL);
+            return false;
+        }
+        self.publish_now(view);
+        true
+    }
+
+    /// Publishes the view of the last frame, which had to wait.
+    pub(in crate::service::session) fn publish_late(&mut self, view: &View<'_>) {
+        if self.is_watched() {
+            self.publish_now(view);
+        }
+    }
+
+    /// Whether somebody subscribes. Where nobody does, the memory of views is given back.
+    fn is_watched(&mut self) -> bool {
+        let is_watched = self.desk.views().is_some_and(|views| views.dynamic_config().number_of_subscribers() > 0);
+        if !is_watched && self.publisher.is_some() {
+            self.desk.clear();
+            (self.publisher, self.published) = (None, None);
+        }
+        is_watched
+    }
+
+    fn publish_now(&mut self, view: &View<'_>) {
+        let Self { publisher, bytes, states, num_frames, sent, desk, .. } = self;
+        let Some(views) = desk.views() else { return };
+        desk.clear();
+        let sent_ns = u64::try_from(sent.as_nanos()).unwrap_or(u64::MAX);
         let header = ViewHeader { num_frames: *num_frames, sent_ns, ..encode(view, bytes, states) };
         match send(publisher, views, view.cloth.num_vertices(), header, bytes) {
             Ok(()) => desk.announce(),
@@ -55,6 +99,7 @@ impl ViewPort {
                 }
             }
         }
+        self.published = Some(clock::monotonic());
     }
 }
 
