@@ -113,3 +113,21 @@ fn roles(mesh: &ObservedMesh) -> Vec<u8> {
     }
     roles
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roles_are_layers_in_their_order_and_bodies() {
+        let mesh = |layers: Option<Vec<u32>>, body: Vec<u32>| ObservedMesh {
+            num_vertices: 4,
+            layers,
+            body,
+            ..ObservedMesh::default()
+        };
+        assert!(roles(&mesh(None, Vec::new())).is_empty(), "cloth of one layer");
+        assert_eq!(roles(&mesh(None, vec![3])), [0, 0, 0, BODY]);
+        assert_eq!(roles(&mesh(Some(vec![7, 2, 7, 40]), vec![1])), [1, BODY, 1, 2]);
+    }
+}
