@@ -1,7 +1,7 @@
 //! The same bytes on every machine: digests of all answers for a dozen generated inputs, as `digests.tsv` has them.
 //!
-//! A change of an algorithm changes them: `cargo run --release -p untangled-lab --bin digests -- --generated` prints the
-//! new ones. A machine, a build or a choice of instructions that changes them has found a fault.
+//! A change of an algorithm changes them: `cargo run --release -p untangled-lab --bin digests -- --generated` prints
+//! the new ones. A machine, a build or a choice of instructions that changes them has found a fault.
 
 use rayon::ThreadPoolBuilder;
 use untangle::simd::use_portable_instructions;

@@ -52,15 +52,15 @@ impl SmallMesh {
     pub fn moved(&self, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
         let extent = self.positions.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
         let step = extent * [0.0, 1e-9, 1e-4, 1e-2][rng.random_range(0..4)];
-        let shared: [f64; 3] = std::array::from_fn(|_| step * rng.random_range(-1..2) as f64);
+        let shared: [f64; 3] = std::array::from_fn(|_| step * f64::from(rng.random_range(-1..2)));
         let mut moved = self.positions.clone();
-        for vertex in 0..moved.len() {
+        for place in &mut moved {
             match rng.random_range(0..8) {
-                0 => moved[vertex] = *self.positions.choose(rng).unwrap(),
-                1 | 2 => moved[vertex] = moved[vertex].map(|value| value + step * rng.random_range(-1.0..1.0)),
+                0 => *place = *self.positions.choose(rng).unwrap(),
+                1 | 2 => *place = place.map(|value| value + step * rng.random_range(-1.0..1.0)),
                 _ => {}
             }
-            for (value, shared) in moved[vertex].iter_mut().zip(shared) {
+            for (value, shared) in place.iter_mut().zip(shared) {
                 *value += shared;
             }
         }

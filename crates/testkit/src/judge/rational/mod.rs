@@ -1,8 +1,8 @@
 //! A second judge of intersections and gaps, in rational numbers.
 //!
-//! Written from "The perturbed input, to the letter" in `docs/manual/exactness.md` alone, whose rules are named by their
-//! numbers here. It shares no code with the library, neither its signs nor its distances, nor the crates below them, and
-//! it is slow: milliseconds for a mesh of ten faces.
+//! Written from "The perturbed input, to the letter" in `docs/manual/exactness.md` alone, whose rules are named by
+//! their numbers here. It shares no code with the library, neither its signs nor its distances, nor the crates below
+//! them, and it is slow: milliseconds for a mesh of ten faces.
 //!
 //! | file | what |
 //! |---|---|

@@ -57,8 +57,9 @@ fn inside(weights: [f64; 3]) -> [f64; 3] {
 #[inline]
 fn are_thin(first: f64, second: f64, product: f64) -> bool {
     let longer = if first > second { first } else { second };
-    // Also where a length is zero, or something overflows.
-    !(first * second - product * product > THIN * (longer * longer))
+    // Where a length is zero, or something overflows, they are not thick.
+    let are_thick = first * second - product * product > THIN * (longer * longer);
+    !are_thick
 }
 
 /// The square of a thousandth.

@@ -67,7 +67,7 @@ pub(crate) fn edge_edge_distance(first: [Point; 2], second: [Point; 2]) -> f64 {
 /// A power of two by which products of four lengths neither under- nor overflow; nearly always 1.
 fn unit(differences: &[Point]) -> f64 {
     let largest = differences.iter().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    if !(largest > 0.0) || (1e-30..1e30).contains(&largest) {
+    if largest <= 0.0 || (1e-30..1e30).contains(&largest) {
         return 1.0;
     }
     // The exponent alone, turned round.

@@ -179,7 +179,8 @@ fn distances_of_faces_with_corners_in_one_place_are_those_of_their_edges() {
     for size in [1.0, f64::from_bits((1023 - 248) << 52), f64::from_bits((1023 + 247) << 52)] {
         let at = |place: Point| place.map(|value| value * size);
         for face in [[a, a, b], [a, b, b], [a, b, a], [b, a, [1.0, 0.0, 0.0]]] {
-            assert_eq!(vertex_face_distance(at([1.5, 3.0, 0.0]), face.map(at)), 3.0 * size, "{face:?}");
+            let distance = vertex_face_distance(at([1.5, 3.0, 0.0]), face.map(at));
+            assert_eq!(distance.to_bits(), (3.0 * size).to_bits(), "{face:?}");
         }
         // The nearest point lies within the long side of a needle.
         let needle = [[0.0, 0.0, 1e-45], [2.0, 0.0, 2.0], [0.0, 1e-45, 0.0]].map(at);
@@ -187,7 +188,8 @@ fn distances_of_faces_with_corners_in_one_place_are_those_of_their_edges() {
         assert!((distance - 1.5_f64.sqrt()).abs() < 1e-15, "{distance}");
         // Within a face of which a product of areas underflows.
         let face = [a, b, [0.0, 2.0, 0.0]].map(at);
-        assert_eq!(vertex_face_distance(at([0.5, 0.5, 0.25]), face), 0.25 * size);
+        let distance = vertex_face_distance(at([0.5, 0.5, 0.25]), face);
+        assert_eq!(distance.to_bits(), (0.25 * size).to_bits());
     }
 }
 
