@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::printable::Printable;
+use crate::printable::{Printable, Reason};
 
 /// A file that can't be read as a mesh, and where in it.
 #[derive(Debug, Error)]
 #[error(
     "{}{}: {}",
-    Printable(path.display()), line.map_or(String::new(), |line| format!(":{line}")), Printable(kind)
+    Printable(path.display()), line.map_or(String::new(), |line| format!(":{line}")), Reason(kind)
 )]
 pub struct ReadError {
     /// The file, as its caller named it.

@@ -20,6 +20,23 @@ impl<T: Display> Display for Printable<T> {
     }
 }
 
+/// What a file is refused for, with words of the file in it: as [`Printable`], and cut where it is longer than a reader
+/// wants, since a word of a file may be as long as the file.
+pub(crate) struct Reason<T>(pub(crate) T);
+
+/// Most characters of a reason.
+const LONGEST_REASON: usize = 500;
+
+impl<T: Display> Display for Reason<T> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let shown = Printable(&self.0).to_string();
+        match shown.char_indices().nth(LONGEST_REASON) {
+            Some((end, _)) => write!(formatter, "{}...", &shown[..end]),
+            None => formatter.write_str(&shown),
+        }
+    }
+}
+
 /// Hands text on with control characters escaped.
 struct Escaping<'a, 'f>(&'a mut Formatter<'f>);
 
@@ -59,5 +76,12 @@ mod tests {
         assert_eq!(shown("abc\u{202e}fed\u{2069}"), "abc\\u{202e}fed\\u{2069}");
         assert_eq!(shown("袖 \\ ' \" é 👕"), "袖 \\ ' \" é 👕");
         assert_eq!(shown(""), "");
+    }
+
+    #[test]
+    fn reason_is_cut_after_500_characters_as_they_are_shown() {
+        assert_eq!(Reason("ä".repeat(500)).to_string(), "ä".repeat(500));
+        assert_eq!(Reason("ä".repeat(501)).to_string(), "ä".repeat(500) + "...");
+        assert_eq!(Reason("\0".repeat(1000)).to_string(), "\\u{0}".repeat(100) + "...");
     }
 }

@@ -6,14 +6,14 @@ use thiserror::Error;
 
 use crate::{
     error::{ReadError, ReadErrorKind},
-    printable::Printable,
+    printable::{Printable, Reason},
 };
 
 /// A vertex cache that can't be read, and the frame at fault.
 #[derive(Debug, Error)]
 #[error(
     "{}{}: {}",
-    Printable(path.display()), frame.map_or(String::new(), |frame| format!(": frame {frame}")), Printable(kind)
+    Printable(path.display()), frame.map_or(String::new(), |frame| format!(": frame {frame}")), Reason(kind)
 )]
 pub struct CacheError {
     /// The file, or the pattern of numbered files, as its caller named it.

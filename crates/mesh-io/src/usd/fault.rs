@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use crate::printable::Printable;
+use crate::printable::{Printable, Reason};
 
 /// A USD file that can't be read, or a prim in it that can't be used.
 #[derive(Debug, Error)]
@@ -12,8 +12,8 @@ use crate::printable::Printable;
     "{}{}: {}{}",
     Printable(path.display()),
     line.map_or(String::new(), |line| format!(":{line}")),
-    prim.as_ref().map_or(String::new(), |prim| format!("prim {}: ", Printable(prim))),
-    Printable(reason)
+    prim.as_ref().map_or(String::new(), |prim| format!("prim {}: ", Reason(prim))),
+    Reason(reason)
 )]
 pub struct UsdError {
     /// The layer at fault, or the root layer.

@@ -30,13 +30,13 @@ impl Cloud {
         let scale = 10f64.powi(SCALES[usize::from(scale % 8)]);
         let faces = (0..num_faces).map(|_| std::array::from_fn(|_| u32::from(next() % num_vertices))).collect();
         let mut positions: Vec<[f64; 3]> =
-            (0..num_vertices).map(|_| std::array::from_fn(|_| f64::from(next() as i8) / 8.0)).collect();
+            (0..num_vertices).map(|_| std::array::from_fn(|_| f64::from(next().cast_signed()) / 8.0)).collect();
         let rest: Vec<u8> = bytes.collect();
         let (off, rest) = rest.as_chunks::<2>();
         let num_coordinates = 3 * positions.len();
         for &[which, by] in off.iter().take(8) {
             let at = usize::from(which) % num_coordinates;
-            positions.as_flattened_mut()[at] += f64::from(by as i8) * 2f64.powi(-40);
+            positions.as_flattened_mut()[at] += f64::from(by.cast_signed()) * 2f64.powi(-40);
         }
         positions.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
         let rest = off.iter().skip(8).flatten().chain(rest).copied().collect();
@@ -53,7 +53,7 @@ impl Cloud {
         let num_faces = u8::try_from(faces.len()).ok().filter(|n| (1..=MOST_FACES).contains(n))?;
         let mut bytes = vec![num_vertices - 3, num_faces - 1, 0, choices];
         bytes.extend(faces.as_flattened().iter().map(|&corner| corner as u8));
-        bytes.extend(positions.as_flattened().iter().map(|x| (x * 8.0) as i8 as u8));
+        bytes.extend(positions.as_flattened().iter().map(|x| ((x * 8.0) as i8).cast_unsigned()));
         Some(bytes)
     }
 }

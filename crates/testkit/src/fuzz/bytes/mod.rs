@@ -24,7 +24,7 @@ pub struct ByteTarget {
     pub name: &'static str,
     /// Reads bytes; whether they were accepted.
     pub read: fn(&[u8]) -> bool,
-    /// Inputs to begin with, most of which are accepted.
+    /// Inputs to begin with, many of which are accepted.
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 

@@ -18,13 +18,18 @@ const MAX_ITERATIONS: usize = 12;
 /// A cloud; of its choices the first bits say precision, effort, whether the first vertices are pinned, and whether
 /// what hangs together with the first face is a body.
 pub(super) fn relax_cloud(bytes: &[u8]) -> bool {
-    let cloud = Cloud::of(bytes);
+    let mut cloud = Cloud::of(bytes);
+    let single_precision = cloud.choices & 1 != 0;
+    if single_precision {
+        // A file that holds no more has given no more: what is pinned stays, and is rounded already.
+        cloud.positions.as_flattened_mut().iter_mut().for_each(|x| *x = f64::from(*x as f32));
+    }
     let Ok(mesh) = Mesh::new(description(&cloud)) else { return false };
     let Ok(before) = Frame::new(&mesh, &cloud.positions) else { return false };
     let settings = RelaxSettings {
         effort: [Effort::Fast, Effort::Balanced][usize::from(cloud.choices >> 1 & 1)],
         max_iterations: MAX_ITERATIONS,
-        single_precision: cloud.choices & 1 != 0,
+        single_precision,
     };
     let run = || relax(&mesh, &cloud.positions, &settings, &mut |_| ControlFlow::Continue(())).expect("it is a frame");
     let relaxation = run();

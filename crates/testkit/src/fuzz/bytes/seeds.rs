@@ -1,4 +1,4 @@
-//! What a guided fuzzer begins with: small, made here, most of it accepted.
+//! What a guided fuzzer begins with: small, made here, much of it accepted.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
