@@ -148,7 +148,7 @@ pub(crate) fn fix<'py>(
     let (mesh, positions) = cloth.read()?;
     let start = Frame::new(&mesh, &positions).map_err(|error| PyValueError::new_err(error.to_string()))?;
     let mesh = Layers::decide(mesh, &start);
-    let settings = RelaxSettings { effort, max_iterations, single_precision };
+    let settings = RelaxSettings { effort, max_iterations, single_precision, other_attempts: true };
     let mut raised = None;
     let (repaired, verdict) = py.detach(|| {
         let mut num_iterations = 0;

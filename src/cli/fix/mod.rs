@@ -209,5 +209,6 @@ fn settings(args: &FixArgs, jobs: &[Job<'_>]) -> RelaxSettings {
         max_iterations: args.max_iterations,
         // One file of double precision is reason enough not to round: rounding would change its digits.
         single_precision: jobs.iter().all(|job| job.output.is_single_precision()),
+        other_attempts: true,
     }
 }

@@ -100,7 +100,12 @@ fn fix_of_a_solved_state_writes_and_reports_it() {
                       settings: &RelaxSettings,
                       progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
                       _: &(dyn Fn() -> bool + Sync)| {
-        let expected = RelaxSettings { effort: Effort::Accurate, max_iterations: 10, single_precision: false };
+        let expected = RelaxSettings {
+            effort: Effort::Accurate,
+            max_iterations: 10,
+            single_precision: false,
+            other_attempts: true,
+        };
         assert_eq!(*settings, expected);
         assert!(progress(&STEP).is_continue());
         Ok(lift(positions, 1.25))

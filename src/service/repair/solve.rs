@@ -121,6 +121,8 @@ fn run_rounds(task: &Task<'_>, best: &mut Reached, should_stop: ShouldStop<'_>) 
         let settings = RelaxSettings {
             max_iterations: default.max_iterations - num_iterations,
             single_precision: precision == Precision::F32,
+            // A host waits.
+            other_attempts: false,
             ..default
         };
         let mut progress = |_: &_| if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };

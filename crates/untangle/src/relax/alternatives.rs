@@ -44,7 +44,8 @@ impl CleanEnd {
 /// Whether there is time for other attempts, and a choice: those of large tangles take too long, and bodies and layers
 /// say who belongs where.
 pub(super) fn are_allowed(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
-    relaxer.settings.effort != Effort::Fast && relaxer.sides.is_none() && !largest.is_large()
+    let is_asked = relaxer.settings.other_attempts && relaxer.settings.effort != Effort::Fast;
+    is_asked && relaxer.sides.is_none() && !largest.is_large()
 }
 
 /// Whether the first attempt, whose end is the present state, took a long way and ended far from the input.

@@ -40,10 +40,13 @@ pub struct RelaxSettings {
     pub max_iterations: usize,
     /// Whether positions are rounded to single precision in each state, for files that hold no more.
     pub single_precision: bool,
+    /// Whether other attempts are made where the first one goes a long way, and the least of all ends is kept: several
+    /// times as long there. For who does not wait for the result.
+    pub other_attempts: bool,
 }
 
 impl Default for RelaxSettings {
     fn default() -> Self {
-        Self { effort: Effort::default(), max_iterations: 100, single_precision: false }
+        Self { effort: Effort::default(), max_iterations: 100, single_precision: false, other_attempts: true }
     }
 }

@@ -63,6 +63,8 @@ impl Repairer<'_> {
             effort: *effort,
             max_iterations: *max_iterations,
             single_precision: own.is_single_precision(),
+            // A shot has hundreds of frames.
+            other_attempts: false,
         };
         let repair = Repair { files, roles, store: Store::Frame(own), pins: &shot.pins, settings, deadline: None };
         let mut progress = Progress::silent();

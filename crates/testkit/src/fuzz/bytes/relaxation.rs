@@ -30,6 +30,7 @@ pub(super) fn relax_cloud(bytes: &[u8]) -> bool {
         effort: [Effort::Fast, Effort::Balanced][usize::from(cloud.choices >> 1 & 1)],
         max_iterations: MAX_ITERATIONS,
         single_precision,
+        other_attempts: true,
     };
     let run = || relax(&mesh, &cloud.positions, &settings, &mut |_| ControlFlow::Continue(())).expect("it is a frame");
     let relaxation = run();

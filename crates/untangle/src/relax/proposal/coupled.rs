@@ -121,7 +121,12 @@ impl Coupled {
     fn relax(&mut self, scene: &Scene<'_>, merit: f64, settings: &Settings, should_stop: &dyn Fn() -> bool) {
         let Scene { mesh, frame, precision, .. } = *scene;
         let single_precision = precision == Precision::Sent { is_single: true };
-        let relax_settings = RelaxSettings { effort: Effort::Fast, max_iterations: MAX_ITERATIONS, single_precision };
+        let relax_settings = RelaxSettings {
+            effort: Effort::Fast,
+            max_iterations: MAX_ITERATIONS,
+            single_precision,
+            other_attempts: false,
+        };
         let positions: Vec<[f64; 3]> = frame.positions().iter().map(|point| (*point).into()).collect();
         let mut progress =
             |_: &Iteration| if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
