@@ -3,6 +3,7 @@
 
 mod c;
 mod guides;
+mod memory;
 mod python;
 mod repairs;
 mod usd;
