@@ -1,7 +1,7 @@
 //! Closest points in floating point (Ericson 2004, sections 5.1.5 and 5.1.9).
 //!
 //! Weights are never negative and never NaN, and at least one is positive. Rounding may lead to points that are not the
-//! closest ones, which the certificates find out; but not by more than some 1e-8 of the largest difference of
+//! closest ones, which the certificates find out; but not by more than some 1e-6 of the largest difference of
 //! coordinates: where faces are thin, or edges nearly parallel, all ways are tried and the shortest is taken.
 
 use super::vector::{Point, difference, dot};

@@ -48,7 +48,7 @@ pub fn are_edges_nearer(first: [Point; 2], second: [Point; 2], distance_m: f64) 
 }
 
 /// The distance of a point and a triangle, in metres, rounded: off by some units in the last place of the largest
-/// difference of coordinates, and for faces of next to no area by up to 1e-8 of that.
+/// difference of coordinates, and for faces of next to no area by up to 1e-6 of that.
 pub(crate) fn vertex_face_distance(vertex: Point, face: [Point; 3]) -> f64 {
     let differences = face.map(|corner| difference(vertex, corner));
     let unit = unit(&differences);
@@ -56,7 +56,7 @@ pub(crate) fn vertex_face_distance(vertex: Point, face: [Point; 3]) -> f64 {
     certificate::distance(&differences, weights)
 }
 
-/// The distance of two segments, in metres, rounded in the same way; up to 1e-8 where they are nearly parallel.
+/// The distance of two segments, in metres, rounded in the same way; up to 1e-6 where they are nearly parallel.
 pub(crate) fn edge_edge_distance(first: [Point; 2], second: [Point; 2]) -> f64 {
     let differences = edge_differences(first, second);
     let unit = unit(&differences);
