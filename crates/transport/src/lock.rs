@@ -57,8 +57,8 @@ pub struct DomainLock<'a> {
 }
 
 impl<'a> DomainLock<'a> {
-    /// Takes the lock as a server does: a client that is just leaving may hold it for a moment, so waits up to a fifth of
-    /// a second for it.
+    /// Takes the lock as a server does: a client that is just leaving may hold it for a moment, so waits for up to a
+    /// fifth of a second.
     ///
     /// # Errors
     /// [`LockError`].
