@@ -32,12 +32,21 @@ struct CleanEnd {
     positions: Vec<Point3<f64>>,
     history: Vec<Iteration>,
     largest_m: f64,
+    /// As a part of the diagonal.
+    mean: f64,
 }
 
 impl CleanEnd {
     fn of(relaxer: &Relaxer<'_>) -> Self {
         let positions = relaxer.frame.positions().to_vec();
-        Self { positions, history: relaxer.history.clone(), largest_m: relaxer.largest_displacement_m() }
+        let (largest_m, mean) = (relaxer.largest_displacement_m(), mean_displacement(relaxer));
+        Self { positions, history: relaxer.history.clone(), largest_m, mean }
+    }
+
+    /// Whether it is as near to the input, on the average and where it is farthest: what costs less energy is no gain
+    /// where it moves more.
+    fn is_as_near_as(&self, other: &Self) -> bool {
+        self.mean <= other.mean && self.largest_m <= other.largest_m
     }
 }
 
@@ -67,7 +76,7 @@ fn mean_displacement(relaxer: &Relaxer<'_>) -> f64 {
 }
 
 /// Makes the other attempts, side by side, and goes over to the end that costs least; `is_clean` says whether the
-/// present state is one of those. True where the state that it leaves is clean.
+/// present state is one of those: then no end counts that moves more. True where the state that it leaves is clean.
 ///
 /// Cost: that of six attempts.
 pub(super) fn take_least(relaxer: &mut Relaxer<'_>, largest: Largest, is_clean: bool) -> Result<bool, RelaxError> {
@@ -76,7 +85,9 @@ pub(super) fn take_least(relaxer: &mut Relaxer<'_>, largest: Largest, is_clean: 
         .map(|&variant| other_end(relaxer, largest, variant))
         .collect::<Result<_, RelaxError>>()?;
     let first = is_clean.then(|| CleanEnd::of(relaxer));
-    let mut ends: Vec<CleanEnd> = first.into_iter().chain(others.into_iter().flatten()).collect();
+    let is_candidate = |end: &CleanEnd| first.as_ref().is_none_or(|first| end.is_as_near_as(first));
+    let others: Vec<CleanEnd> = others.into_iter().flatten().filter(is_candidate).collect();
+    let mut ends: Vec<CleanEnd> = first.into_iter().chain(others).collect();
     let Some(measure) = Measure::of(relaxer, &ends) else { return Ok(is_clean) };
     let (mut least, mut chosen) = (f64::INFINITY, None);
     for (index, end) in ends.iter().enumerate() {
