@@ -11,6 +11,7 @@ use untangled_bridge_lab::{
     cloth::Sheets,
     ends::{self, Bridged, PATIENCE, TestDomain},
 };
+use untangled_client::observe::{self, Observer, ObserverOptions};
 
 fn run(arguments: &[&str]) -> Output {
     ends::bridge(arguments).output().unwrap()
@@ -76,6 +77,25 @@ fn status_command_and_example_host_work_through_the_bridge() {
         Command::new(ends::untangled()).args(["status", "--domain", bridged.near_host.name()]).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains(&format!("on domain `{}`", bridged.near_daemon.name())), "{text} {}", words(&output));
+}
+
+#[test]
+fn sessions_are_watched_near_their_daemon_and_the_bridge_says_so() {
+    let bridged = Bridged::start();
+    let client = bridged.near_host.connect();
+    let _session = client.register(Sheets::new(4).registration()).unwrap();
+    let watch = |domain: &TestDomain| {
+        let options = ObserverOptions {
+            domain: Some(domain.name().to_owned()),
+            timeout: PATIENCE,
+            name: Some("test".to_owned()),
+        };
+        let known = observe::sessions(&options).unwrap();
+        Observer::open(options, known[0].session)
+    };
+    let refusal = watch(&bridged.near_host).map(drop).unwrap_err().to_string();
+    assert!(refusal.contains("watch it on the machine of its daemon"), "{refusal}");
+    assert_eq!(watch(&bridged.near_daemon).unwrap().mesh().triangles.len(), 36);
 }
 
 #[test]
