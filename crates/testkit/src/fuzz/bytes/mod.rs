@@ -2,7 +2,7 @@
 //! the tests of what it found.
 //!
 //! Each function says whether the input was accepted, and panics where an invariant does not hold. What is accepted
-//! holds what [`checks`](super::checks) say; a refusal is one line that a terminal may show, and says where the fault
+//! holds what `checks` say; a refusal is one line that a terminal may show, and says where the fault
 //! is.
 
 mod caches;
