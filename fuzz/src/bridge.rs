@@ -4,7 +4,8 @@ use std::fmt::Debug;
 
 use untangled_bridge_wire::{
     beacon::{self, DaemonBeacon, HostBeacon, Versions},
-    elements::{Element, Pins},
+    element::Element,
+    elements::Pins,
     message::{Envelope, Kind},
     plain,
     request::{Reply, Request, Services},
