@@ -1,4 +1,4 @@
-//! Intersections and gaps against a judge in rational numbers, which was written from the manual alone.
+//! Intersections and gaps against a judge in rational numbers, which follows the text of the manual.
 //!
 //! The same at a million pairs: `cargo run --release -p untangled-lab --bin judge`.
 
