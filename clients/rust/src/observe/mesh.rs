@@ -2,6 +2,7 @@
 
 use untangled_proto::{
     CorrectionKind, Precision, RegisterParams,
+    limits::{MAX_FACES, MAX_VERTICES},
     sections::{SectionError, Sections, id},
 };
 
@@ -25,6 +26,10 @@ pub struct ObservedMesh {
 }
 
 impl ObservedMesh {
+    /// More bytes than any mesh has on the wire: three indices a face; a place in the list of bodies, one in that of pins
+    /// and a layer a vertex; and what comes before them.
+    pub(super) const MOST_BYTES: u64 = 12 * (MAX_FACES + MAX_VERTICES) as u64 + (1 << 16);
+
     /// The mesh as a daemon sends it, if its parts fit together; else what does not.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, String> {
         let in_words = |error: SectionError| error.to_string();
@@ -49,6 +54,9 @@ impl ObservedMesh {
     }
 
     fn check(&self) -> Result<(), String> {
+        if self.num_vertices > MAX_VERTICES {
+            return Err(format!("it has {} vertices; a session has at most {MAX_VERTICES}", self.num_vertices));
+        }
         let is_outside = |vertex: &&u32| usize::try_from(**vertex).map_or(true, |index| index >= self.num_vertices);
         let mut named = self.triangles.as_flattened().iter().chain(&self.body).chain(&self.pins);
         if let Some(vertex) = named.find(is_outside) {
@@ -78,7 +86,11 @@ mod tests {
     use super::*;
 
     fn read(triangles: &[[u32; 3]], layers: &[u32]) -> Result<ObservedMesh, String> {
-        let params = RegisterParams { num_vertices: 3, precision: 1, correction: 2, ..RegisterParams::default() };
+        read_of(3, triangles, layers)
+    }
+
+    fn read_of(num_vertices: u64, triangles: &[[u32; 3]], layers: &[u32]) -> Result<ObservedMesh, String> {
+        let params = RegisterParams { num_vertices, precision: 1, correction: 2, ..RegisterParams::default() };
         let mut writer = SectionWriter::default();
         writer.bytes(id::PARAMS, params.to_bytes().to_vec()).u32s(id::TRIANGLES, triangles).u32s(id::PINS, &[[1]]);
         writer.u32s(id::LAYERS, &layers.iter().map(|&layer| [layer]).collect::<Vec<_>>());
@@ -94,6 +106,8 @@ mod tests {
         assert_eq!(mesh.correction, CorrectionKind::VelocityChange);
         assert_eq!(read(&[[0, 3, 1]], &[0; 3]).unwrap_err(), "vertex 3 is named, and there are 3");
         assert_eq!(read(&[[0, 2, 1]], &[0; 2]).unwrap_err(), "2 vertices have a layer, and there are 3");
+        let words = read_of(1 << 40, &[[0, 2, 1]], &[0; 3]).unwrap_err();
+        assert_eq!(words, "it has 1099511627776 vertices; a session has at most 16777216");
         assert_eq!(ObservedMesh::read(&[0; 8]).unwrap_err(), "it has no parameters");
         assert_eq!(ObservedMesh::read(&[0; 7]).unwrap_err(), "it has no sections");
     }

@@ -47,8 +47,9 @@ impl Observation {
         let (records, points): (Vec<_>, Vec<_>) = (parts.records().collect(), parts.points().collect());
         for record in &records {
             let has_points = record.points(&points).len() == record.num_points as usize;
-            if !has_points || record.partner as usize >= records.len() {
-                return Err("a path names points or a path that are not there".to_owned());
+            // There are no more pairs than paths.
+            if !has_points || [record.partner, record.pair].iter().any(|&number| number as usize >= records.len()) {
+                return Err("a path names points, a path or a pair that are not there".to_owned());
             }
         }
         Ok(Self { header, positions, corrections, flags, num_dropped: 0, records, points })
@@ -149,6 +150,11 @@ mod tests {
                 ViewHeader { num_paths: 1, ..ViewHeader::default() },
                 PathRecord { num_points: 1, ..PathRecord::default() }.to_bytes().to_vec(),
                 "a path names points",
+            ),
+            (
+                ViewHeader { num_paths: 1, ..ViewHeader::default() },
+                PathRecord { pair: u32::MAX, ..PathRecord::default() }.to_bytes().to_vec(),
+                "or a pair that are not there",
             ),
         ] {
             let error = read(header, &payload).unwrap_err();

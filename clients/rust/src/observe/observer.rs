@@ -166,6 +166,9 @@ fn ask(client: &Client, options: &ObserverOptions, session: u64) -> Result<(u64,
         if payload.is_empty() {
             return Err(malformed("a part of its mesh is empty".to_owned()));
         }
+        if bytes.len() as u64 > ObservedMesh::MOST_BYTES {
+            return Err(malformed("its mesh is larger than any".to_owned()));
+        }
     }
 }
 
