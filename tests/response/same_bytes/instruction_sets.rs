@@ -6,21 +6,16 @@ use untangle::{
     frame::Frame,
     relax::{RelaxSettings, relax},
     settings::{InsideChoice, Response, Settings},
-    simd::use_portable_instructions,
     untangler::Untangler,
 };
 use untangled_publisher::scenes::Scene;
 
+use super::{with_best, with_portable};
 use crate::allocations::meshes;
 
 /// What a computation gives with the best instructions of this processor, and with those that every processor has.
 fn with_both<T>(compute: impl Fn() -> T) -> [T; 2] {
-    [false, true].map(|portable| {
-        use_portable_instructions(portable);
-        let result = compute();
-        use_portable_instructions(false);
-        result
-    })
+    [with_best(&compute), with_portable(&compute)]
 }
 
 fn bits(vectors: impl Iterator<Item = [f64; 3]>) -> Vec<[u64; 3]> {
