@@ -2,8 +2,7 @@
 //! the tests of what it found.
 //!
 //! Each function says whether the input was accepted, and panics where an invariant does not hold. What is accepted
-//! holds what `checks` say; a refusal is one line that a terminal may show, and says where the fault
-//! is.
+//! holds what `checks` say; a refusal is one line that a terminal may show, and says where the fault is.
 
 mod caches;
 mod clouds;
@@ -20,7 +19,7 @@ pub(super) use files::{mesh_file, usd};
 /// A reader of bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct ByteTarget {
-    /// As the program in `fuzz/fuzz_targets` is called.
+    /// What `fuzz/run` calls it.
     pub name: &'static str,
     /// Reads bytes; whether they were accepted.
     pub read: fn(&[u8]) -> bool,
