@@ -19,6 +19,8 @@ export async function launch(own, { width, height }) {
   const browser = await chromium.launch({
     executablePath: program(),
     headless: true,
+    // A busy machine is no error.
+    timeout: 0,
     // WebGL in software, where there is no graphics card; nothing of the browser's own goes out.
     args: [
       "--no-sandbox",
@@ -33,6 +35,7 @@ export async function launch(own, { width, height }) {
   });
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
+  tab.setDefaultTimeout(0);
   tab.on("pageerror", (error) => complaints.push(String(error)));
   tab.on("console", (message) => {
     if (message.type() === "error") complaints.push(message.text());
@@ -55,6 +58,13 @@ export async function open(file, size, processorSeconds = () => NaN) {
   await settle(tab);
   const [openMs, openProcessorS] = [performance.now() - start, processorSeconds() - startProcessorS];
   return { browser, tab, complaints, openMs, openProcessorS };
+}
+
+/** Says what went wrong: first, and once more at the end, so that whoever sees a part of the output sees it. */
+export async function failed(step, error, more = async () => "") {
+  const head = `FAILED in ${step}: ${String(error.message).split("\n")[0]}`;
+  console.log(`${head}\n${error.stack}\n${await more().catch(String)}\n${head}`);
+  process.exitCode = 1;
 }
 
 /** Waits until what was asked for is drawn. */
