@@ -1,8 +1,11 @@
-// Headless Chromium. CHROMIUM names the program where it is not where Debian has it.
+// Headless Chromium. CHROMIUM names the program where it is not where Debian has it. PRIORITY is the priority (nice) of
+// its processes, 0 without it; a negative one, which needs the right to it, leaves other programs of a busy machine
+// aside.
 import { existsSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { below, prioritise } from "./processors.mjs";
 
 const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
@@ -33,6 +36,8 @@ export async function launch(own, { width, height }) {
       "--disable-sync",
     ],
   });
+  const { PRIORITY } = process.env;
+  if (PRIORITY) for (const id of below(process.pid)) await prioritise(id, Number(PRIORITY));
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
   tab.setDefaultTimeout(0);

@@ -19,6 +19,7 @@ const look = async () => {
     frames: await tab.evaluate(() => Number(document.documentElement.dataset.frames)),
     at: performance.now() / 1000,
     browser: processorSeconds(),
+    heap: metric("JSHeapUsedSize"),
     script: metric("ScriptDuration"),
     layout: metric("LayoutDuration") + metric("RecalcStyleDuration"),
     main: metric("TaskDuration"),
@@ -34,7 +35,8 @@ const each = (name) => `${((1000 * (after[name] - before[name])) / frames).toFix
 console.log(
   `${2 * Number(side) ** 2} triangles: ${(frames / (after.at - before.at)).toFixed(1)} frames a second; ` +
     `of the browser's processors ${each("browser")} a frame; by the clock ${each("main")} of the page's thread, ` +
-    `of which ${each("script")} script and ${each("layout")} layout`,
+    `of which ${each("script")} script and ${each("layout")} layout; ` +
+    `${(after.heap / 1e6).toFixed(0)} MB of its heap, besides the frames of the last seconds`,
 );
 await browser.close();
 end();

@@ -1,4 +1,4 @@
-// Processor time, which does not depend on what else the machine does.
+// Processor time, which does not depend on what else the machine does; memory; and priorities.
 import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { setPriority } from "node:os";
 
@@ -55,4 +55,9 @@ export async function prioritise(id, nice) {
 export function processSeconds(id) {
   const fields = readFileSync(`/proc/${id}/stat`, "utf8").split(") ")[1].split(" ");
   return (Number(fields[11]) + Number(fields[12])) / 100;
+}
+
+/** Memory of a process that is in use, in MB. */
+export function megabytes(id) {
+  return Number(/VmRSS:\s+(\d+) kB/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) / 1e3;
 }

@@ -8,7 +8,7 @@
 // need the right to them, leave other programs of a busy machine aside.
 import { createInterface } from "node:readline";
 import { launch } from "./browser.mjs";
-import { below, prioritise, processorSeconds, processSeconds } from "./processors.mjs";
+import { below, megabytes, prioritise, processorSeconds, processSeconds } from "./processors.mjs";
 import { Processes } from "./processes.mjs";
 
 const [untangled, edge = "0.0114", seconds = "5", runs = "8"] = process.argv.slice(2);
@@ -38,11 +38,13 @@ const address = await processes.watch();
 const { browser, tab } = await launch(address, { width: 1280, height: 900 });
 const ofTheSession = [processes.daemon, host, processes.page].map(({ pid }) => pid);
 for (const pid of below(process.pid)) await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
+const middle = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
 const [withPage, without] = [[], []];
 try {
-  for (let run = 0; run < Number(runs); run++) {
+  for (let run = 0; run <= Number(runs); run++) {
     await tab.goto("about:blank");
     without.push(await phase());
+    if (run === Number(runs)) break;
     await tab.goto(address);
     await tab.waitForSelector("html[data-ready]");
     withPage.push(await phase());
@@ -51,17 +53,21 @@ try {
   await browser.close();
   await processes.end();
 }
-const middle = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
-const ratios = withPage.map((own, run) => own.trip / without[run].trip).toSorted((a, b) => a - b);
+// The simulation changes, and round trips with it: a run with the page is compared with those before and after it.
+const beside = (run) => (without[run].trip + without[run + 1].trip) / 2;
+const ratios = withPage.map((own, run) => own.trip / beside(run)).toSorted((a, b) => a - b);
 const [low, high] = [ratios[Math.floor(ratios.length / 5)], ratios[ratios.length - 1 - Math.floor(ratios.length / 5)]];
 const of = (rows, name) => middle(rows.map((row) => row[name]));
 console.log(
   `page ${of(withPage, "page").toFixed(1)} frames a second, session ${of(withPage, "session").toFixed(1)}; ` +
-    `round trip ${of(without, "trip").toFixed(2)} ms without the page, ${of(withPage, "trip").toFixed(2)} ms with it, ` +
+    `round trip ${of(without, "trip").toFixed(2)} ms without the page, ` +
+    `${of(withPage, "trip").toFixed(2)} ms with it, ` +
     `ratio ${middle(ratios).toFixed(3)}, of most runs ${low.toFixed(3)} to ${high.toFixed(3)}; ` +
     `processors for a frame: browser ${of(withPage, "browser").toFixed(0)} ms, ` +
     `untangled watch ${of(withPage, "server").toFixed(1)} ms, ` +
-    `daemon ${of(without, "daemon").toFixed(1)} ms without the page and ${of(withPage, "daemon").toFixed(1)} ms with it`,
+    `daemon ${of(without, "daemon").toFixed(1)} ms without the page ` +
+    `and ${of(withPage, "daemon").toFixed(1)} ms with it; ` +
+    `memory of untangled watch ${of(withPage, "memory").toFixed(0)} MB`,
 );
 
 /** What was measured for some seconds. */
@@ -78,9 +84,9 @@ async function phase() {
     page: frames / passed,
     session: own.length / passed,
     trip: middle(own),
-    browser: each("browser", frames),
-    server: each("server", frames),
+    ...(frames > 0 ? { browser: each("browser", frames), server: each("server", frames) } : {}),
     daemon: each("daemon", own.length),
+    memory: megabytes(processes.page.pid),
   };
   console.log(
     Object.entries(row)

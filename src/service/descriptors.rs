@@ -3,8 +3,8 @@
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// Descriptors that a session takes: 17 by count, with repairs 25; 8 more while it is watched, and 3 for each of at most
-/// 16 observers; rounded up (`tests/daemon/operating/memory.rs` counts them).
+/// Descriptors that a session takes: 17 by count, with repairs 25; 8 more while it is watched, and 3 for each of at
+/// most 16 observers; rounded up (`tests/daemon/operating/memory.rs` counts them).
 const PER_SESSION: u64 = 84;
 /// Descriptors that the daemon takes itself, for its services and for requests on their way.
 const OWN: u64 = 128;

@@ -2,8 +2,8 @@
 //!
 //! The payload is bytes without gaps: [`ViewHeader::num_paths`] records and [`ViewHeader::num_points`] points as in
 //! [`paths`](super::paths), then [`ViewHeader::num_entries`] entries of 20 bytes as in a sparse correction, then
-//! [`ViewHeader::num_positions`] positions of three `f32` in metres, then [`ViewHeader::num_inside`] vertices inside with
-//! their pairs, then [`ViewHeader::num_depths`] depths of pairs.
+//! [`ViewHeader::num_positions`] positions of three `f32` in metres, then [`ViewHeader::num_inside`] vertices inside
+//! with their pairs, then [`ViewHeader::num_depths`] depths of pairs.
 
 use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
@@ -150,8 +150,8 @@ impl<'a> ViewParts<'a> {
         })
     }
 
-    /// For each pair how far the farthest point inside is from where it should be, in metres; 0 where nothing inside has
-    /// such a place.
+    /// For each pair how far the farthest point inside is from where it should be, in metres; 0 where nothing inside
+    /// has such a place.
     pub fn depths(self) -> impl ExactSizeIterator<Item = f32> + 'a {
         elements(self.depths, |[depth]| f32::from_le_bytes(depth))
     }

@@ -129,7 +129,8 @@ class Page {
   private async show(frame: FrameMessage, isLive: boolean) {
     if (!this.picture) this.open(frame);
     const now = performance.now();
-    if (!isLive || now - this.wordsAt > WORDS_MS) {
+    const isSaid = !isLive || now - this.wordsAt > WORDS_MS;
+    if (isSaid) {
       this.wordsAt = now;
       this.showWords(frame);
     }
@@ -139,7 +140,7 @@ class Page {
       this.chosen.replaceChildren(this.list.details() ?? "");
     }
     document.documentElement.dataset["frame"] = String(frame.frame);
-    await this.picture?.show(frame, this.picked);
+    await this.picture?.show(frame, this.picked, isSaid);
   }
 
   private open(frame: FrameMessage) {

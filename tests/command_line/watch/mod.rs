@@ -110,6 +110,7 @@ fn cloth_on_the_wrong_side_of_bodies_and_layers_is_told_with_the_frame() {
     let _daemon = Daemon::start(&domain);
     let watch = Watch::start(&domain);
     let (description, positions) = Outfit::new(Pose::ALL[0], 20).world();
+    #[expect(clippy::cast_possible_truncation, reason = "the wire carries single precision")]
     let single: Vec<[f32; 3]> = positions.iter().map(|place| place.map(|x| x as f32)).collect();
     let rounded: Vec<[f64; 3]> = single.iter().map(|place| place.map(f64::from)).collect();
     let registration = Registration {

@@ -54,7 +54,8 @@ fn check(seen: &Observation, sent: &[[f32; 3]], got: &Correction) {
     assert_eq!(points(seen.paths().points), points(paths.points));
 }
 
-/// What is inside of a pair is flagged so, and a pair has vertices inside where its state says so; only such have a depth.
+/// What is inside of a pair is flagged so, and a pair has vertices inside where its state says so; only such have a
+/// depth.
 fn check_regions(seen: &Observation) {
     let flagged = (0u32..).zip(&seen.flags).filter(|(_, own)| **own & flags::INSIDE != 0).map(|(vertex, _)| vertex);
     let inside: BTreeSet<u32> = seen.inside.iter().map(|entry| entry.vertex).collect();

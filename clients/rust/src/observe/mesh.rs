@@ -19,8 +19,8 @@ pub struct ObservedMesh {
     pub pins: Vec<u32>,
     /// Layer of each vertex, from the body outwards; none where the host said nothing of layers.
     pub layers: Option<Vec<u32>>,
-    /// For each face whether its normal points outwards of its layer, where rest positions decided that; none where each
-    /// frame decides it by itself.
+    /// For each face whether its normal points outwards of its layer, where rest positions decided that; none where
+    /// each frame decides it by itself.
     pub outwards: Option<Vec<bool>>,
     /// Precision of the session's positions; those of observations are single.
     pub precision: Precision,

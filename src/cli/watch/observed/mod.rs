@@ -1,5 +1,5 @@
-//! Frames of a daemon: `wrong` (cloth on the wrong side of bodies and layers), `lines` (paths as lines, and what is known
-//! of them), `frame` (one frame as a message for the page), and here the daemon and its sessions.
+//! Frames of a daemon: `wrong` (cloth on the wrong side of bodies and layers), `lines` (paths as lines, and what is
+//! known of them), `frame` (one frame as a message for the page), and here the daemon and its sessions.
 
 mod frame;
 mod lines;

@@ -7,9 +7,9 @@ use untangled_proto::{
 
 use crate::service::session::cloth::Cloth;
 
-/// The number of its sections, 8 bytes, and these: parameters, triangles, and bodies, pins, layers, and what is outwards
-/// of these where there are such. All by the host's vertices; a corner on a welded seam is the lowest of those in its
-/// place.
+/// The number of its sections, 8 bytes, and these: parameters, triangles, and bodies, pins, layers, and what is
+/// outwards of these where there are such. All by the host's vertices; a corner on a welded seam is the lowest of those
+/// in its place.
 pub(in crate::service::session) fn mesh_bytes(
     cloth: &Cloth,
     precision: Precision,

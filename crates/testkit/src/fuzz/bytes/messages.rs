@@ -109,8 +109,8 @@ pub(super) fn paths(bytes: &[u8]) -> bool {
     true
 }
 
-/// Numbers of vertices and of the elements of each part, one byte each, and the payload of a view. What is accepted comes
-/// back, and names nothing that is not there.
+/// Numbers of vertices and of the elements of each part, one byte each, and the payload of a view. What is accepted
+/// comes back, and names nothing that is not there.
 pub(super) fn view(bytes: &[u8]) -> bool {
     let Some((&[num_vertices, ref counts @ ..], rest)) = bytes.split_first_chunk::<7>() else { return false };
     let [num_paths, num_points, num_entries, num_positions, num_inside, num_depths] =
