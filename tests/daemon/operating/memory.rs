@@ -148,9 +148,10 @@ fn observers_take_the_open_files_that_the_daemon_makes_room_for() {
     for observer in &mut observers {
         assert!(observer.latest(PATIENCE).unwrap().is_some());
     }
-    let taken = open() - before;
-    println!("{taken} open files for {MAX_OBSERVERS} observers of each of 2 sessions");
-    assert!(taken <= 2 * (8 + 3 * MAX_OBSERVERS), "{taken}");
+    // What requests take on their way counts elsewhere.
+    eventually("16 observers of each of two sessions take 8 open files, and 3 for each observer", || {
+        open() - before <= 2 * (8 + 3 * MAX_OBSERVERS)
+    });
 }
 
 #[test]

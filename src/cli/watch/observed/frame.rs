@@ -80,7 +80,7 @@ impl Framer {
         let shown = Lines::new(seen);
         let mut inside = vec![0; seen.flags.len()];
         for entry in &seen.inside {
-            inside[entry.vertex as usize] = shown.paths[entry.pair as usize].0 + 1;
+            inside[entry.vertex as usize] = shown.paths[entry.pair as usize].0.saturating_add(1);
         }
         let wrong = self.sides.as_mut().map(|sides| sides.find(&self.positions));
         let corrected: Vec<u32> =
