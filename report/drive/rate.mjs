@@ -5,7 +5,8 @@
 //
 // The browser gives way to the session, as one does that has a graphics card or processors of its own. PRIORITIES="A B"
 // are the priorities (nice) of the session's processes and of the browser, 0 and 19 without it; negative ones, which
-// need the right to them, leave other programs of a busy machine aside.
+// need the right to them, leave other programs of a busy machine aside. With DRAWN=no frames are fetched as by a page,
+// 10 a second, and nothing is drawn: what the session has of a viewer whose drawing a graphics card does.
 import { createInterface } from "node:readline";
 import { launch } from "./browser.mjs";
 import { below, megabytes, prioritise, processorSeconds, processSeconds } from "./processors.mjs";
@@ -40,14 +41,23 @@ const ofTheSession = [processes.daemon, host, processes.page].map(({ pid }) => p
 for (const pid of below(process.pid)) await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
 const middle = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
 const [withPage, without] = [[], []];
+let [isFetching, numFetched] = [false, 0];
 try {
   for (let run = 0; run <= Number(runs); run++) {
     await tab.goto("about:blank");
     without.push(await phase());
     if (run === Number(runs)) break;
-    await tab.goto(address);
-    await tab.waitForSelector("html[data-ready]");
-    withPage.push(await phase());
+    if (process.env.DRAWN === "no") {
+      isFetching = true;
+      const end = fetchAll();
+      withPage.push(await phase());
+      isFetching = false;
+      await end;
+    } else {
+      await tab.goto(address);
+      await tab.waitForSelector("html[data-ready]");
+      withPage.push(await phase());
+    }
   }
 } finally {
   await browser.close();
@@ -99,10 +109,21 @@ async function phase() {
 async function look() {
   const own = [processes.daemon, processes.page, host].map(({ pid }) => processSeconds(pid));
   return {
-    frames: await tab.evaluate(() => Number(document.documentElement.dataset.frames ?? 0)),
+    frames: numFetched + (await tab.evaluate(() => Number(document.documentElement.dataset.frames ?? 0))),
     at: performance.now() / 1000,
     browser: own.reduce((left, seconds) => left - seconds, processorSeconds()),
     server: own[1],
     daemon: own[0],
   };
+}
+
+/** Asks for frames as a page does that draws each in a tenth of a second. */
+async function fetchAll() {
+  const [{ session }] = (await (await fetch(`${address}sessions`)).json()).sessions;
+  for (let serial = "0"; isFetching;) {
+    const answer = await fetch(`${address}frame?session=${session}&after=${serial}`);
+    serial = answer.headers.get("Untangled-Serial") ?? serial;
+    if ((await answer.arrayBuffer()).byteLength > 0) numFetched += 1;
+    await new Promise((done) => setTimeout(done, 100));
+  }
 }
