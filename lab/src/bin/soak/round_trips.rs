@@ -15,8 +15,8 @@ use crate::frames::{median, sheet};
 
 const HEADERS: [usize; 2] = [size_of::<StateHeader>(), size_of::<CorrectionHeader>()];
 
-/// Round trip less compute of dense and of sparse corrections, beside a Unix socket that copies the bytes of dense ones:
-/// lines of a Markdown table. The three take turns.
+/// Round trip less compute of dense and of sparse corrections, beside a Unix socket that copies the bytes of dense
+/// ones, all in turns: lines of a Markdown table.
 pub(crate) fn round_trips(programs: Programs, echo: fn(&str, usize) -> Command) -> Vec<String> {
     let domain = TestDomain::new();
     let _daemon = programs.start_daemon(&domain);

@@ -54,8 +54,8 @@ pub(crate) struct Proposer {
 
 impl Proposer {
     /// Replaces the values of the corrections, which are those of the response `displacement`, or none for `coupled`,
-    /// by a displacement that does no harm. Where they do none and clear the frame, values of `displacement` stay to the
-    /// bit.
+    /// by a displacement that does no harm. Where they do none and clear the frame, values of `displacement` stay to
+    /// the bit.
     ///
     /// Displacements of `displacement` go on from where they lead, as long as that helps: see [`Displaced::find`].
     /// That of `coupled` is the better one of its own and of that, if its own leaves something.
