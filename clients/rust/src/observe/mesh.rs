@@ -26,8 +26,8 @@ pub struct ObservedMesh {
 }
 
 impl ObservedMesh {
-    /// More bytes than any mesh has on the wire: three indices a face; a place in the list of bodies, one in that of pins
-    /// and a layer a vertex; and what comes before them.
+    /// More bytes than any mesh has on the wire: three indices a face; a place in the list of bodies, one in that of
+    /// pins and a layer a vertex; and what comes before them.
     pub(super) const MOST_BYTES: u64 = 12 * (MAX_FACES + MAX_VERTICES) as u64 + (1 << 16);
 
     /// The mesh as a daemon sends it, if its parts fit together; else what does not.
