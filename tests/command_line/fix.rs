@@ -118,7 +118,10 @@ fn fix_when_interrupted_writes_nothing() {
         let output = child.wait_with_output().unwrap();
         drop(pipe);
         assert_eq!(output.status.code(), Some(2), "{output:?}");
-        assert_eq!(String::from_utf8_lossy(&output.stderr), "untangled: interrupted; nothing was written\n");
+        // A busy machine may take so long that progress is said before.
+        let said = String::from_utf8_lossy(&output.stderr);
+        let said: Vec<&str> = said.lines().filter(|line| !line.ends_with(" s: reading")).collect();
+        assert_eq!(said, ["untangled: interrupted; nothing was written"]);
         assert!(output.stdout.is_empty());
         assert_eq!(names(path), before);
     }
