@@ -16,7 +16,7 @@ const NUM_NAMESPACES: usize = 4;
 pub struct Authority(PathBuf);
 
 impl Authority {
-    /// A new one of this name.
+    /// A new one of this name; says on standard error where it can't be made.
     #[must_use]
     pub fn new(name: &str) -> Option<Self> {
         let folder = std::env::temp_dir().join(format!("bridge-{name}-{}", std::process::id()));
@@ -30,7 +30,7 @@ impl Authority {
         if made.is_ok_and(|output| output.status.success()) {
             return Some(Self(folder));
         }
-        println!("SKIPPED: certificates: there is no openssl on this machine");
+        eprintln!("SKIPPED: certificates: there is no openssl on this machine");
         None
     }
 
