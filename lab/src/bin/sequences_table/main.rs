@@ -79,7 +79,10 @@ fn print_shot(shot: &Shot) -> Result<(), Failure> {
         println!("| {} | {:.1} | {} | {difference:.0} |", format.name, format.seconds, format.num_left);
     }
     std::fs::remove_dir_all(&folder)?;
-    print_text("\nDifferences are those of coordinates from the output as PC2, both in single precision.\n");
+    print_text(
+        "\nDifferences are those of coordinates from the output as PC2, both in single precision. OBJ has what the \
+         others round, and where two ways out are as near, the last bits may choose.\n",
+    );
     Ok(())
 }
 
