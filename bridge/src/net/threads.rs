@@ -23,11 +23,14 @@ pub fn begin_with_one_thread() -> Result<(), BridgeError> {
     if env::var(VARIABLE).is_ok_and(|value| value == ONE_THREAD) {
         return Ok(());
     }
+    let what = || "beginning again with one thread for the network".to_owned();
+    // By its own path: under another one, the process would be listed by another name.
+    let program = env::current_exe().map_err(|source| BridgeError::System { what: what(), source })?;
     let mut arguments = env::args_os();
-    let mut again = Command::new("/proc/self/exe");
+    let mut again = Command::new(program);
     if let Some(name) = arguments.next() {
         again.arg0(name);
     }
     let source = again.args(arguments).env(VARIABLE, ONE_THREAD).exec();
-    Err(BridgeError::System { what: "beginning again with one thread for the network".to_owned(), source })
+    Err(BridgeError::System { what: what(), source })
 }

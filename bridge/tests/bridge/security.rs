@@ -26,6 +26,7 @@ fn hosts_with_a_listed_certificate_are_served_and_all_others_are_not() {
     let own = authority.certificate();
     let far = authority.config("far", &format!("listen = ['{address}']"), "[limits]\nhosts = ['ws1', 'ws2']", &own);
     let far = start("daemon", &far, &near_daemon);
+    assert_eq!(fs::read_to_string(format!("/proc/{}/comm", far.id())).unwrap(), "untangled-bridg\n", "15 characters");
     // Zenoh's TLS links are sound on one thread only, and only the environment says on how many.
     let environment = fs::read(format!("/proc/{}/environ", far.id())).unwrap();
     assert!(

@@ -49,7 +49,7 @@ fn main() -> Result<(), Failure> {
          regions) the same bits.\n",
     );
     print_header(&["mesh", "#Tri", "pairs", "unwelded", "split", "same"]);
-    let (mut num_same, mut num_cuts) = (0, 0);
+    let (mut num_same, mut num_cuts, mut others) = (0, 0, Vec::new());
     for file in meshes(&data)?.into_iter().chain(meshes(&scenes)?) {
         let name = file.file_stem().unwrap_or_default().display().to_string();
         match row(&file) {
@@ -57,6 +57,9 @@ fn main() -> Result<(), Failure> {
                 println!("| {name} | {line} |");
                 num_same += same.iter().filter(|same| **same).count();
                 num_cuts += same.len();
+                if same.contains(&false) {
+                    others.push(format!("`{name}`"));
+                }
             }
             Err(reason) => {
                 let reason = reason.to_string().replace(&file.display().to_string(), "line");
@@ -64,9 +67,11 @@ fn main() -> Result<(), Failure> {
             }
         }
     }
+    let others = if others.is_empty() { "none".to_owned() } else { others.join(", ") };
     print_text(&format!(
-        "\n{num_same} of {num_cuts} cut meshes give the same answer. All that differ are scenes of degenerate geometry \
-         (`deg_`)."
+        "\n{num_same} of {num_cuts} cut meshes give the same answer; with others: {others}. Where two sheets lie in \
+         one place along edges inside of both, a cut makes boundaries of these edges, and places do not tell any more \
+         which of them belong to each other."
     ));
     Ok(())
 }

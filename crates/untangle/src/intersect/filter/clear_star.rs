@@ -10,6 +10,8 @@
 //!
 //! As in [`apart_x8`](super::apart_x8), points are those after the map.
 
+use nalgebra::Vector3;
+
 use super::{
     apart_x8::MAX_MARGIN,
     one_rings::{OneRing, OneRingsX8},
@@ -73,7 +75,7 @@ fn squared<L: F32x8Lanes>(simd: L, [x, y]: [L::Vector; 2]) -> L::Vector {
 /// A wedge of a sine below [`LEAST_SINE`] proves nothing: so areas are off by 1e-9 of themselves at most, and what is
 /// proven by less than that of the margin.
 pub(crate) fn is_clear(points: &[PointF32], ring: OneRing<'_>, margin: f32, spokes: &mut Vec<[f64; 2]>) -> bool {
-    let closes = project(points, ring, spokes);
+    project(points, ring, spokes);
     let (mut sine_squared, mut height_squared, mut num_turns) = (1.0_f64, f64::INFINITY, 0);
     let num_links = ring.around.len() - 1;
     for at in 0..spokes.len() {
@@ -91,7 +93,6 @@ pub(crate) fn is_clear(points: &[PointF32], ring: OneRing<'_>, margin: f32, spok
             return false;
         }
     }
-    debug_assert!(closes || spokes.len() == num_links + 2);
     let needed = f64::from(margin) * (1.0 + 1e-7);
     num_turns == 1 && sine_squared > LEAST_SINE * LEAST_SINE && sine_squared * height_squared > needed * needed
 }
@@ -99,45 +100,26 @@ pub(crate) fn is_clear(points: &[PointF32], ring: OneRing<'_>, margin: f32, spok
 /// See [`is_clear`].
 const LEAST_SINE: f64 = 1e-6;
 
-/// The spokes of a star in turn, along its normal, and one opposite to a fan that does not close; whether it closes.
-fn project(points: &[PointF32], ring: OneRing<'_>, spokes: &mut Vec<[f64; 2]>) -> bool {
-    let at = |vertex: u32| points[vertex as usize].map(f64::from);
+/// The spokes of a star in turn, along its normal, and one opposite to a fan that does not close.
+fn project(points: &[PointF32], ring: OneRing<'_>, spokes: &mut Vec<[f64; 2]>) {
+    let at = |vertex: u32| Vector3::from_fn(|axis, _| f64::from(points[vertex as usize][axis]));
     let centre = at(ring.centre.0);
-    let spoke = |index: usize| -> [f64; 3] {
-        let end = at(ring.around[index].0);
-        std::array::from_fn(|axis| end[axis] - centre[axis])
-    };
-    let mut normal = [0.0; 3];
+    let spoke = |index: usize| at(ring.around[index].0) - centre;
+    let mut normal = Vector3::zeros();
     for index in 1..ring.around.len() {
-        let turn = cross(spoke(index - 1), spoke(index));
-        normal = std::array::from_fn(|axis| normal[axis] + turn[axis]);
+        normal += spoke(index - 1).cross(&spoke(index));
     }
-    let normal = unit(normal);
-    let first = unit(cross(spoke(0), normal));
-    let second = cross(normal, first);
+    // Of NaN where there is no direction.
+    let normal = normal.normalize();
+    let first = spoke(0).cross(&normal).normalize();
+    let second = normal.cross(&first);
     spokes.clear();
     let closes = ring.around.first() == ring.around.last();
     for index in 0..ring.around.len() - usize::from(closes) {
         let spoke = spoke(index);
-        spokes.push([dot(first, spoke), dot(second, spoke)]);
+        spokes.push([first.dot(&spoke), second.dot(&spoke)]);
     }
     if !closes {
-        let sum = spokes.iter().fold([0.0; 2], |sum, spoke| [sum[0] - spoke[0], sum[1] - spoke[1]]);
-        spokes.push(sum);
+        spokes.push(spokes.iter().fold([0.0; 2], |sum, spoke| [sum[0] - spoke[0], sum[1] - spoke[1]]));
     }
-    closes
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// A vector of length one; of NaN where there is none.
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = dot(vector, vector).sqrt();
-    vector.map(|value| value / length)
 }
