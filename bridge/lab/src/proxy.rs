@@ -25,9 +25,12 @@ pub struct Proxy {
 
 #[derive(Debug, Default)]
 struct State {
-    is_cut: AtomicBool,
+    /// There, and back.
+    cuts: [AtomicBool; 2],
     has_ended: AtomicBool,
     delay_us: AtomicU64,
+    /// Connections of an earlier number are to be broken.
+    generation: AtomicU64,
 }
 
 impl Proxy {
@@ -55,7 +58,18 @@ impl Proxy {
 
     /// Cuts the way, or opens it again: what was on its way then arrives late.
     pub fn cut(&self, is_cut: bool) {
-        self.state.is_cut.store(is_cut, Ordering::Relaxed);
+        self.state.cuts[0].store(is_cut, Ordering::Relaxed);
+        self.cut_back(is_cut);
+    }
+
+    /// Cuts the way back alone.
+    pub fn cut_back(&self, is_cut: bool) {
+        self.state.cuts[1].store(is_cut, Ordering::Relaxed);
+    }
+
+    /// Breaks all connections: what was on its way is lost, and a new one is served.
+    pub fn break_off(&self) {
+        self.state.generation.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Delays all bytes by so much in each direction.
@@ -72,21 +86,30 @@ impl Drop for Proxy {
 }
 
 impl State {
-    fn wait_while_cut(&self) {
-        while self.is_cut.load(Ordering::Relaxed) && !self.has_ended.load(Ordering::Relaxed) {
+    fn generation(&self) -> u64 {
+        self.generation.load(Ordering::Relaxed)
+    }
+
+    /// Whether a connection of a generation still stands, after the time that the way was cut.
+    fn stands_after_cut(&self, way: usize, generation: u64) -> bool {
+        let stands = || !self.has_ended.load(Ordering::Relaxed) && self.generation() == generation;
+        while self.cuts[way].load(Ordering::Relaxed) && stands() {
             std::thread::sleep(PERIOD);
         }
+        stands()
     }
 }
 
 fn carry(near: &TcpStream, target: SocketAddr, state: &Arc<State>) {
-    state.wait_while_cut();
+    let generation = state.generation();
+    if !state.stands_after_cut(0, generation) {
+        return;
+    }
     let Ok(far) = TcpStream::connect(target) else { return };
-    let ways = [(near.try_clone(), far.try_clone()), (far.try_clone(), near.try_clone())];
-    let ways = ways.map(|(from, to)| (from.unwrap(), to.unwrap()));
-    let threads = ways.map(|(from, to)| {
+    let ways = [(0, near.try_clone(), far.try_clone()), (1, far.try_clone(), near.try_clone())];
+    let threads = ways.map(|(way, from, to)| {
         let state = Arc::clone(state);
-        std::thread::spawn(move || copy(from, to, &state))
+        std::thread::spawn(move || copy(from.unwrap(), to.unwrap(), &state, (way, generation)))
     });
     for thread in threads {
         let _ = thread.join();
@@ -94,7 +117,7 @@ fn carry(near: &TcpStream, target: SocketAddr, state: &Arc<State>) {
 }
 
 /// Two threads for each direction, so that a delay does not limit what is on its way.
-fn copy(mut from: TcpStream, mut to: TcpStream, state: &Arc<State>) {
+fn copy(mut from: TcpStream, mut to: TcpStream, state: &Arc<State>, (way, generation): (usize, u64)) {
     let _ = to.set_nodelay(true);
     from.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
     let (sender, receiver) = std::sync::mpsc::sync_channel::<(Instant, Vec<u8>)>(1 << 10);
@@ -102,16 +125,14 @@ fn copy(mut from: TcpStream, mut to: TcpStream, state: &Arc<State>) {
     let writer = std::thread::spawn(move || {
         while let Ok((due, bytes)) = receiver.recv() {
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
-            writing.wait_while_cut();
-            if to.write_all(&bytes).is_err() {
+            if !writing.stands_after_cut(way, generation) || to.write_all(&bytes).is_err() {
                 break;
             }
         }
         let _ = to.shutdown(Shutdown::Both);
     });
     let mut bytes = vec![0; 1 << 16];
-    while !state.has_ended.load(Ordering::Relaxed) {
-        state.wait_while_cut();
+    while state.stands_after_cut(way, generation) {
         match from.read(&mut bytes) {
             Ok(0) => break,
             Ok(count) => {

@@ -55,12 +55,13 @@ fn table(report: &Value) -> String {
         number(&report["uptime_s"]),
     );
     out += &format!(
-        "sent {} frames, {:.1} MB; received {}, {:.1} MB; {} overtaken, {} rejected\n",
+        "sent {} frames, {:.1} MB; received {}, {:.1} MB; {} overtaken, {} sent again, {} rejected\n",
         report["num_sent"],
         number(&report["bytes_sent"]) / 1e6,
         report["num_received"],
         number(&report["bytes_received"]) / 1e6,
         report["num_overtaken"],
+        report["num_sent_again"],
         report["num_rejected"],
     );
     let trip = &report["round_trip"];

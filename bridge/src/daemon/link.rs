@@ -147,15 +147,9 @@ impl Link {
             return self.reject(kind, &"it came twice, or late");
         }
         match kind {
-            Kind::State => match self.states.send(body) {
-                Ok(()) => {
-                    self.is_busy.store(true, Ordering::Relaxed);
-                    self.local.connection().wake(names::EVENT_STATE);
-                    self.metrics.received.add(body.len());
-                }
-                Err(StateError::Malformed) => self.reject(kind, &"its lengths are wrong"),
-                Err(StateError::Transport(reason)) => self.reject(kind, &reason),
-            },
+            // The first of them came, and its acknowledgement did not.
+            Kind::State if received.repeats(body) => self.reject(kind, &"it came twice"),
+            Kind::State => self.hand_on(body),
             Kind::PathsOn => match PathsPort::open(self.local.connection().node(), &self.shape) {
                 Ok(port) => *lock(&self.paths) = Some(port),
                 Err(error) => self.reject(kind, &error),
@@ -165,6 +159,18 @@ impl Link {
         }
         if kind == Kind::State {
             self.outlet.signal(Kind::Acknowledged, sequence);
+        }
+    }
+
+    fn hand_on(&self, state: &[u8]) {
+        match self.states.send(state) {
+            Ok(()) => {
+                self.is_busy.store(true, Ordering::Relaxed);
+                self.local.connection().wake(names::EVENT_STATE);
+                self.metrics.received.add(state.len());
+            }
+            Err(StateError::Malformed) => self.reject(Kind::State, &"its lengths are wrong"),
+            Err(StateError::Transport(reason)) => self.reject(Kind::State, &reason),
         }
     }
 
@@ -184,6 +190,9 @@ impl Link {
             let mut has_sent = false;
             while self.outlet.is_open() && self.send_next(&mut answers) {
                 has_sent = true;
+            }
+            if self.outlet.is_open() {
+                self.outlet.send_lost();
             }
             if has_sent {
                 wait = FIRST_WAIT;
@@ -237,7 +246,7 @@ impl Link {
     fn send(&self, kind: Kind, body: &[u8]) {
         let mut message = self.outlet.begin(kind, body.len());
         message.extend_from_slice(body);
-        self.outlet.send(message);
+        self.outlet.send(kind, message);
     }
 }
 

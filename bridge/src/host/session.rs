@@ -72,6 +72,8 @@ pub(crate) struct Session {
 struct Frames {
     unanswered: VecDeque<u64>,
     newest: Option<u64>,
+    /// Frame of the last repair that came.
+    repaired: Option<u64>,
 }
 
 impl Frames {
@@ -85,6 +87,11 @@ impl Frames {
 
     fn is_unanswered(&self, frame: u64) -> bool {
         self.unanswered.contains(&frame)
+    }
+
+    /// A repair may take minutes, and comes once.
+    fn awaits_repair(&self, frame: u64) -> bool {
+        self.newest.is_some_and(|newest| frame <= newest) && self.repaired.is_none_or(|last| last < frame)
     }
 
     /// A frame is answered, and those before it will not be.
@@ -185,9 +192,10 @@ impl Session {
                 let taken = self.states.take(|length| self.outlet.begin(Kind::State, length));
                 if let Some((frame, message)) = taken {
                     self.note_sent(frame);
-                    self.outlet.send(message);
+                    self.outlet.send(Kind::State, message);
                     continue;
                 }
+                self.outlet.send_lost();
             }
             std::thread::park_timeout(LONGEST_SLEEP);
         }
@@ -218,10 +226,16 @@ impl Session {
     fn deliver(&self, kind: Kind, sequence: u64, body: &[u8]) {
         // Held to the end, so that messages reach the host in their order.
         let mut received = lock(&self.received);
-        if !received.take(sequence) || !self.is_awaited(kind, body) {
+        if received.take(sequence) && self.is_awaited(kind, body) {
+            self.hand_on(kind, body);
+        } else {
             self.reject(kind, &"it was not awaited");
-            return;
         }
+        // Whatever has become of it: what is not acknowledged is sent again.
+        self.outlet.signal(Kind::Acknowledged, sequence);
+    }
+
+    fn hand_on(&self, kind: Kind, body: &[u8]) {
         let delivered = match lock(&self.down).as_mut() {
             Some(down) => down.deliver(kind, body),
             None => return,
@@ -229,18 +243,20 @@ impl Session {
         match delivered {
             Ok(()) => {
                 self.metrics.received.add(body.len());
-                if let Some(frame) = frame(body)
-                    && matches!(kind, Kind::Dense | Kind::Sparse)
-                {
-                    lock(&self.frames).answer(frame);
-                    self.num_frames.fetch_add(1, Ordering::Relaxed);
+                let Some(frame) = frame(body) else { return };
+                match kind {
+                    Kind::Dense | Kind::Sparse => {
+                        lock(&self.frames).answer(frame);
+                        self.num_frames.fetch_add(1, Ordering::Relaxed);
+                    }
+                    Kind::Repair => lock(&self.frames).repaired = Some(frame),
+                    _ => {}
                 }
             }
             Err(DeliverError::PinsMissing) => self.outlet.signal(Kind::PinsAgain, 0),
             Err(DeliverError::Malformed) => self.reject(kind, &"its lengths are wrong"),
             Err(DeliverError::Transport(reason)) => self.reject(kind, &reason),
         }
-        self.outlet.signal(Kind::Acknowledged, sequence);
     }
 
     /// Whether a frame has left that a message may answer.
@@ -250,8 +266,7 @@ impl Session {
         match kind {
             Kind::Dense | Kind::Sparse => body.len() >= size_of::<CorrectionHeader>() && frames.is_unanswered(frame),
             Kind::Paths => frames.is_unanswered(frame),
-            // A repair may take minutes.
-            Kind::Repair => frames.newest.is_some_and(|newest| frame <= newest),
+            Kind::Repair => frames.awaits_repair(frame),
             _ => false,
         }
     }
@@ -290,5 +305,8 @@ mod tests {
         assert!(!frames.is_unanswered(50) && !frames.is_unanswered(40) && frames.is_unanswered(51));
         frames.answer(7);
         assert_eq!(frames.unanswered.len(), 50);
+        assert!(frames.awaits_repair(3) && !frames.awaits_repair(101));
+        frames.repaired = Some(3);
+        assert!(frames.awaits_repair(4) && !frames.awaits_repair(3), "a repair comes once");
     }
 }

@@ -17,6 +17,8 @@ pub struct Metrics {
     pub sent: Flow,
     /// Messages with a frame that came, and their bytes.
     pub received: Flow,
+    /// Messages that were sent again, since a connection broke before the other end had them.
+    pub num_sent_again: AtomicU64,
     /// Frames that a newer one overtook before they left.
     pub num_overtaken: AtomicU64,
     /// Messages that were dropped: of a wrong session or frame, twice, late, malformed.
@@ -56,6 +58,7 @@ impl Default for Metrics {
             started: Instant::now(),
             sent: Flow::default(),
             received: Flow::default(),
+            num_sent_again: AtomicU64::new(0),
             num_overtaken: AtomicU64::new(0),
             num_rejected: AtomicU64::new(0),
             num_requests: AtomicU64::new(0),
@@ -90,6 +93,7 @@ impl Metrics {
             "bytes_sent": bytes_sent,
             "num_received": num_received,
             "bytes_received": bytes_received,
+            "num_sent_again": load(&self.num_sent_again),
             "num_overtaken": load(&self.num_overtaken),
             "num_rejected": load(&self.num_rejected),
             "num_requests": load(&self.num_requests),

@@ -113,6 +113,7 @@ fn text(metrics: &Metrics) -> String {
         ("sent_bytes", "bytes_sent", "Bytes of these"),
         ("received_messages", "num_received", "Messages with a frame that came"),
         ("received_bytes", "bytes_received", "Bytes of these"),
+        ("repeated_messages", "num_sent_again", "Messages that were sent again after a connection broke"),
         ("overtaken_frames", "num_overtaken", "Frames that a newer one overtook before they left"),
         ("rejected_messages", "num_rejected", "Messages that were dropped: wrong session or frame, twice, malformed"),
         ("requests", "num_requests", "Requests that were passed on"),

@@ -7,6 +7,7 @@
 //! | `security` | certificates, and rules of access for each host |
 //! | `session` | opens a Zenoh session |
 //! | `threads` | on which threads encrypted connections are read and written |
+//! | `unacknowledged` | messages that the other end may not have, and are sent again |
 //! | `window` | how many messages of a session may be on their way |
 
 mod endpoint;
@@ -14,6 +15,7 @@ mod outlet;
 mod security;
 mod session;
 mod threads;
+mod unacknowledged;
 pub mod window;
 
 pub use endpoint::{DEFAULT_ADDRESS, Endpoint, Side};

@@ -5,12 +5,16 @@ use std::{
     time::Instant,
 };
 
-use zenoh::{Session, Wait, pubsub::Publisher};
+use zenoh::{Session, Wait, bytes::ZBytes, pubsub::Publisher};
 
-use super::{Urgency, window::Window};
+use super::{
+    Urgency,
+    unacknowledged::{Message, Unacknowledged},
+    window::Window,
+};
 use crate::{
     error::BridgeError,
-    metrics::Metrics,
+    metrics::{Metrics, count},
     wire::message::{Envelope, Kind},
 };
 
@@ -28,6 +32,22 @@ pub struct Outlet {
 struct Flow {
     sequence: u64,
     window: Window,
+    unacknowledged: Unacknowledged,
+}
+
+impl Flow {
+    fn leave(&mut self, message: Message, now: Instant) {
+        self.window.send(message.sequence, now);
+        self.unacknowledged.keep(message, now);
+    }
+
+    /// A message that was lost, under a new number.
+    fn take_lost(&mut self, now: Instant) -> Option<Message> {
+        let lost = self.unacknowledged.take_lost(self.sequence + 1, now)?;
+        self.sequence += 1;
+        self.window.send(self.sequence, now);
+        Some(lost)
+    }
 }
 
 impl Outlet {
@@ -75,14 +95,33 @@ impl Outlet {
     }
 
     /// Sends a frame that was begun last; waits where the connection has no room for it.
-    pub fn send(&self, message: Vec<u8>) {
-        let length = message.len();
+    pub fn send(&self, kind: Kind, message: Vec<u8>) {
+        let bytes = ZBytes::from(message);
         {
             let mut flow = self.flow();
             let sequence = flow.sequence;
-            flow.window.send(sequence, Instant::now());
+            flow.leave(Message { kind, sequence, bytes: bytes.clone() }, Instant::now());
         }
-        if let Err(error) = self.data.put(message).wait() {
+        self.put(bytes);
+    }
+
+    /// Sends again what was lost with a connection and nothing newer has replaced. For the thread that sends frames,
+    /// where it has no newer one.
+    pub fn send_lost(&self) {
+        while let Some(lost) = self.next_lost() {
+            tracing::debug!(kind = ?lost.kind, sequence = lost.sequence, "sending a message again");
+            count(&self.metrics.num_sent_again);
+            self.put(lost.numbered(self.link));
+        }
+    }
+
+    fn next_lost(&self) -> Option<Message> {
+        self.flow().take_lost(Instant::now())
+    }
+
+    fn put(&self, bytes: ZBytes) {
+        let length = bytes.len();
+        if let Err(error) = self.data.put(bytes).wait() {
             // The session of the network is closed, which ends this process.
             tracing::debug!(%error, "sending a frame");
         }
@@ -107,7 +146,11 @@ impl Outlet {
 
     /// The other end has all messages up to this one.
     pub fn acknowledge(&self, sequence: u64) {
-        let trip = self.flow().window.acknowledge(sequence, Instant::now());
+        let trip = {
+            let mut flow = self.flow();
+            flow.unacknowledged.acknowledge(sequence);
+            flow.window.acknowledge(sequence, Instant::now())
+        };
         if let Some(trip) = trip {
             self.metrics.round_trips.add(trip);
         }
@@ -116,14 +159,26 @@ impl Outlet {
 
 /// Which messages have come: each is taken once, and none after a later one.
 #[derive(Debug, Default)]
-pub struct Received(u64);
+pub struct Received {
+    sequence: u64,
+    frame: Option<[u8; 8]>,
+}
 
 impl Received {
     /// Whether a message is to be taken.
     pub fn take(&mut self, sequence: u64) -> bool {
-        let is_new = sequence > self.0;
-        self.0 = self.0.max(sequence);
+        let is_new = sequence > self.sequence;
+        self.sequence = self.sequence.max(sequence);
         is_new
+    }
+
+    /// Whether a state is the one before it, sent again since its acknowledgement was lost. Headers begin with the
+    /// frame.
+    pub fn repeats(&mut self, state: &[u8]) -> bool {
+        let frame = state.first_chunk().copied();
+        let is_repeated = frame.is_some() && frame == self.frame;
+        self.frame = frame;
+        is_repeated
     }
 }
 
@@ -132,9 +187,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn received_takes_each_message_once_and_none_after_a_later_one() {
+    fn received_takes_each_message_once_and_none_after_a_later_one_and_knows_a_repeated_state() {
         let mut received = Received::default();
         let taken: Vec<bool> = [1, 2, 2, 1, 5, 4, 6, 0].map(|sequence| received.take(sequence)).into();
         assert_eq!(taken, [true, true, false, false, true, false, true, false]);
+        let repeated = [1_u64, 1, 2, 1].map(|frame| received.repeats(&[frame.to_le_bytes(), [0; 8]].concat()));
+        assert_eq!(repeated, [false, true, false, false]);
+        assert!(!received.repeats(&[]) && !received.repeats(&[]), "what has no frame is malformed");
     }
 }

@@ -15,7 +15,7 @@ const MOST: u32 = 16;
 /// The window is counted in parts of a message, by which it grows.
 const PARTS: u32 = 256;
 /// A message that was not acknowledged for so long is lost: the connection was broken and made again.
-const LOST: Duration = Duration::from_secs(2);
+pub(super) const LOST: Duration = Duration::from_secs(2);
 /// How much longer than the shortest a round trip may take before messages count as queued: half as long again, and
 /// what threads wait for a busy processor.
 const SLACK: f64 = 1.5;

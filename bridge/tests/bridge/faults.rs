@@ -165,3 +165,38 @@ fn session_is_back_within_two_seconds_after_a_partition_and_gets_no_wrong_answer
         assert_eq!(own, far);
     }
 }
+
+/// The host asks once and waits: what a broken connection had on its way must be sent again by the ends themselves.
+#[test]
+fn frame_that_was_lost_with_its_connection_is_answered_without_being_asked_again() {
+    let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
+    let address = ends::free_address();
+    let _daemon = ends::serve(&near_daemon);
+    let _daemon_end = ends::daemon_end(&near_daemon, "far", address);
+    let proxy = Proxy::start(address);
+    let _host_end = ends::host_end(&near_host, "near", &[proxy.address]);
+    let sheets = Sheets::new(8);
+    let mut session = near_host.connect().register(sheets.registration()).unwrap();
+    assert_eq!(exchange(&mut session, &sheets).unwrap(), 1);
+    let step = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
+    // The state is lost on its way, or its answer on the way back.
+    for cut in [Proxy::cut, Proxy::cut_back, Proxy::cut] {
+        let positions = sheets.positions_f32(session.frame() + 1);
+        cut(&proxy, true);
+        let frame = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                // Long enough for the state to reach the proxy, short enough for the ends not to give up each other.
+                std::thread::sleep(Duration::from_millis(300));
+                proxy.break_off();
+                proxy.cut(false);
+            });
+            let answer = session.exchange(step, PATIENCE, |to| to.copy_from_slice(&positions)).unwrap();
+            answer.header().frame
+        });
+        assert_eq!(frame, session.frame());
+    }
+    assert_eq!(session.num_registrations(), 1, "the session was never given up");
+    let counts = near_host.connect().status().unwrap()["bridge"].clone();
+    println!("sent again: {}", counts["num_sent_again"]);
+    assert!(counts["num_sent_again"].as_u64().unwrap() >= 3);
+}
