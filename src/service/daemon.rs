@@ -28,7 +28,7 @@ use super::{
     error::ServeError,
     metrics::MetricsServer,
     options::ServeOptions,
-    pool::{Job, Pool, PoolOptions},
+    pool::{Alone, Job, Pool, PoolOptions},
     requests::{ControlServer, MeshRequest, Registry},
     session::Session,
 };
@@ -68,7 +68,7 @@ impl Shutdown {
 ///
 /// # Errors
 /// [`ServeError`], in particular when another daemon serves the domain.
-pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
+pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce() + Send) -> Result<(), ServeError> {
     // What iceoryx2 reports is handled here and logged once; its own log is switched on by IOX2_LOG_LEVEL.
     set_log_level_from_env_or(LogLevel::Fatal);
     let options = &ServeOptions { max_sessions: make_room_for_descriptors(options.max_sessions), ..options.clone() };
@@ -76,7 +76,7 @@ pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce()) ->
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
     lock.announce()?;
-    let result = Daemon::start(options).and_then(|daemon| daemon.serve(shutdown, ready));
+    let result = Daemon::start(options).and_then(|daemon| daemon.serve_on_own_thread(shutdown, ready));
     // All ports, services and the node are gone by now.
     lock.withdraw()?;
     lock.wipe_if_unused()?;
@@ -151,6 +151,20 @@ impl Daemon {
         Ok(Self { pool, _metrics: metrics, control, registry, listener, _event: event, node, _cleanup: cleanup })
     }
 
+    /// Serves on a thread that is the daemon's own, since it does brief frames itself, and they must stay there.
+    fn serve_on_own_thread(self, shutdown: &Shutdown, ready: impl FnOnce() + Send) -> Result<(), ServeError> {
+        let own = std::thread::Builder::new().name("server".to_owned());
+        std::thread::scope(|scope| {
+            let serving = own.spawn_scoped(scope, || {
+                let _alone = Alone::begin();
+                self.serve(shutdown, ready)
+            });
+            let serving = serving
+                .map_err(|source| ServeError::System { what: "starting the serving thread".to_owned(), source })?;
+            serving.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+
     fn serve(self, shutdown: &Shutdown, ready: impl FnOnce()) -> Result<(), ServeError> {
         // The first check for signals installs their handlers; only then may a caller count on them.
         if self.is_asked_to_end() {
@@ -197,9 +211,11 @@ impl Daemon {
     fn hand_out_work(&self) -> Duration {
         let mut longest = LONGEST_WAIT;
         self.control.answer(|job| self.pool.push(Task::Request(Box::new(job))));
+        let mut own = None;
         self.registry.sessions().retain(|session| {
             if session.wake() {
-                self.pool.push(Task::Frame(Arc::clone(session)));
+                let task = Task::Frame(Arc::clone(session));
+                if own.is_none() && session.is_brief() { own = Some(task) } else { self.pool.push(task) }
             }
             match session.take_late_view() {
                 Some(Duration::ZERO) => self.pool.push(Task::LateView(Arc::clone(session))),
@@ -208,6 +224,10 @@ impl Daemon {
             }
             session.has_host()
         });
+        // Waking a worker would take longer. Others that have a state have their workers by now.
+        if let Some(again) = own.and_then(Task::run) {
+            self.pool.push(again);
+        }
         longest
     }
 

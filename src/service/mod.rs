@@ -7,8 +7,9 @@
 //! timer ──> housekeeping: dead nodes; a thread of its own for stale resources
 //! ```
 //!
-//! One thread waits for events and distributes work; workers do it, each session's work one worker at a time. Between
-//! events all threads sleep. Everything that a peer wrote is copied before it is checked, because the peer may go on
+//! One thread waits for events and distributes work; workers do it, each session's work one worker at a time. A frame
+//! that takes no longer than waking a worker the waiting thread does itself, one after each wait. Between events all
+//! threads sleep. Everything that a peer wrote is copied before it is checked, because the peer may go on
 //! writing.
 //!
 //! The folders, from the bottom up: `repair` (one frame moved to where nothing intersects), [`session`] (one cloth and

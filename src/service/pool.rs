@@ -10,7 +10,7 @@ use std::{
     thread::JoinHandle,
 };
 
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Most threads that a large job is spread over.
 const MOST_THREADS: usize = 8;
@@ -123,12 +123,8 @@ impl<J: Job> Shared<J> {
     }
 
     fn work(&self) {
-        // A small job runs on this thread alone, the library's parallel loops included, so that it waits for no other
-        // thread.
-        let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-        if let Err(error) = &alone {
-            tracing::warn!(%error, "a worker shares the threads of others");
-        }
+        // So that a small job waits for no other thread.
+        let _alone = Alone::begin();
         let PoolOptions { most_large, num_threads, in_background, .. } = self.options;
         // Threads begin with the priority of the one that starts them, so that it is lowered once.
         let priority = in_background.then(lower_priority).flatten();
@@ -163,6 +159,23 @@ impl<J: Job> Shared<J> {
                 queue.jobs.push_back(job);
             }
         }
+    }
+}
+
+/// While it lives, the library's parallel loops stay on the thread that began it. For threads that are this program's
+/// own, and once for each.
+#[derive(Debug)]
+pub(crate) struct Alone {
+    _pool: Option<ThreadPool>,
+}
+
+impl Alone {
+    pub(crate) fn begin() -> Self {
+        let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        if let Err(error) = &pool {
+            tracing::warn!(%error, "a thread shares the threads of others");
+        }
+        Self { _pool: pool.ok() }
     }
 }
 

@@ -15,6 +15,7 @@ mod clock;
 mod cloth;
 mod estimate;
 pub mod ingest;
+mod pace;
 mod ports;
 pub mod publish;
 mod registered;
@@ -25,7 +26,7 @@ mod work;
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU8, Ordering},
     },
     time::{Duration, Instant},
 };
@@ -42,6 +43,7 @@ use super::{
 };
 pub use cloth::Cloth;
 pub use estimate::memory_bytes;
+use pace::Pace;
 use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
@@ -51,10 +53,6 @@ use work::{Ports, SessionRepairs, Work};
 
 /// How long a host may take from the reply to the creation of its publisher.
 const GRACE: Duration = Duration::from_secs(10);
-/// Meshes with more faces than this are large from their first frame on.
-const LARGE_FACES: usize = 20_000;
-/// A session whose last frame took longer than this is large as well, in nanoseconds.
-const LARGE_NS: u64 = 20_000_000;
 
 const IDLE: u8 = 0;
 const QUEUED: u8 = 1;
@@ -89,7 +87,7 @@ pub(crate) struct Session {
     statistics: Mutex<Statistics>,
     /// Those of all sessions.
     totals: Arc<Totals>,
-    last_ns: AtomicU64,
+    pace: Pace,
     had_host: AtomicBool,
     created: Instant,
 }
@@ -113,7 +111,7 @@ impl Session {
         untangler.set_single_precision(precision == Precision::F32);
         untangler.set_displaced(correction == CorrectionKind::Displacement);
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
-        let num_vertices = cloth.num_vertices();
+        let (num_vertices, pace) = (cloth.num_vertices(), Pace::new(cloth.mesh().num_faces()));
         let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout, options };
         let corrections = CorrectionPort::create(node, &port)?;
         let paths = PathsPort::create(node, instance, id, layout).map_err(internal)?;
@@ -146,7 +144,7 @@ impl Session {
             settings: Mutex::new(None),
             statistics: Mutex::default(),
             totals: Arc::clone(shared.totals),
-            last_ns: AtomicU64::new(0),
+            pace,
             had_host: AtomicBool::new(false),
             created: Instant::now(),
         })
@@ -234,7 +232,12 @@ impl Session {
 
     /// Whether a frame may take so long that small sessions must not wait for it.
     pub(crate) fn is_large(&self) -> bool {
-        self.cloth.mesh().num_faces() > LARGE_FACES || self.last_ns.load(Ordering::Relaxed) > LARGE_NS
+        self.pace.is_large()
+    }
+
+    /// Whether a frame takes about as long as waking another thread for it, going by the last ones.
+    pub(crate) fn is_brief(&self) -> bool {
+        self.pace.is_brief()
     }
 
     /// Checks for a new state; whether the session is to be queued. For the one thread that waits for events.
@@ -298,7 +301,7 @@ impl Session {
         }
         let record = |header: &_| lock(&self.statistics).record(header, &self.totals);
         if let Some(header) = work.serve(&self.states, record) {
-            self.last_ns.store(header.stage_ns[stage::TOTAL], Ordering::Relaxed);
+            self.pace.record(header.stage_ns[stage::TOTAL]);
         }
     }
 }

@@ -3,17 +3,20 @@
 //! A change of an algorithm changes them: `cargo run --release -p untangled-lab --bin digests -- --generated` prints
 //! the new ones. A machine, a build or a choice of instructions that changes them has found a fault.
 
-use rayon::ThreadPoolBuilder;
-use untangled_testkit::judge::digest::{Session, lines, worlds};
+use rayon::{ThreadPoolBuilder, prelude::*};
+use untangled_testkit::judge::digest::{Session, World, lines, worlds};
 
 use super::{with_best, with_portable};
 
 const STORED: &str = include_str!("digests.tsv");
 
-/// The lines of all worlds.
+/// The lines of all worlds, several of which are computed at a time, each with so many threads.
 fn found(num_threads: usize, session: Session) -> Vec<String> {
-    let pool = ThreadPoolBuilder::new().num_threads(num_threads).build().unwrap();
-    pool.install(|| worlds().iter().flat_map(|world| lines(world, session)).collect())
+    let lines_of = |world: &World| {
+        let pool = ThreadPoolBuilder::new().num_threads(num_threads).build().unwrap();
+        pool.install(|| lines(world, session))
+    };
+    worlds().par_iter().map(lines_of).collect::<Vec<_>>().concat()
 }
 
 /// Compares the lines of one way of computing them.
