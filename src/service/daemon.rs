@@ -212,10 +212,12 @@ impl Daemon {
         let mut longest = LONGEST_WAIT;
         self.control.answer(|job| self.pool.push(Task::Request(Box::new(job))));
         let mut own = None;
-        self.registry.sessions().retain(|session| {
+        let mut sessions = self.registry.sessions();
+        let has_others = sessions.len() > 1;
+        sessions.retain(|session| {
             if session.wake() {
                 let task = Task::Frame(Arc::clone(session));
-                if own.is_none() && session.is_brief() { own = Some(task) } else { self.pool.push(task) }
+                if own.is_none() && session.is_brief(has_others) { own = Some(task) } else { self.pool.push(task) }
             }
             match session.take_late_view() {
                 Some(Duration::ZERO) => self.pool.push(Task::LateView(Arc::clone(session))),
@@ -224,6 +226,7 @@ impl Daemon {
             }
             session.has_host()
         });
+        drop(sessions);
         // Waking a worker would take longer. Others that have a state have their workers by now.
         if let Some(again) = own.and_then(Task::run) {
             self.pool.push(again);

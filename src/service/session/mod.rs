@@ -236,8 +236,8 @@ impl Session {
     }
 
     /// Whether a frame takes about as long as waking another thread for it, going by the last ones.
-    pub(crate) fn is_brief(&self) -> bool {
-        self.pace.is_brief()
+    pub(crate) fn is_brief(&self, has_others: bool) -> bool {
+        self.pace.is_brief(has_others)
     }
 
     /// Checks for a new state; whether the session is to be queued. For the one thread that waits for events.

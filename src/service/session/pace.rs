@@ -36,10 +36,12 @@ impl Pace {
         self.num_faces > LARGE_FACES || self.last_ns.load(Ordering::Relaxed) > LARGE_NS
     }
 
-    /// Whether a frame takes about as long as waking another thread for it.
-    pub(super) fn is_brief(&self) -> bool {
+    /// Whether a frame takes about as long as waking another thread for it. The first one in which a large mesh
+    /// intersects may take far longer, and no other session may have to wait for it.
+    pub(super) fn is_brief(&self, has_others: bool) -> bool {
         let longest_ns = self.longest_ns.load(Ordering::Relaxed);
-        self.num_faces <= LARGE_FACES && (1..=BRIEF_NS).contains(&longest_ns)
+        let may_surprise = has_others && self.num_faces > LARGE_FACES;
+        !may_surprise && (1..=BRIEF_NS).contains(&longest_ns)
     }
 }
 
@@ -50,19 +52,19 @@ mod tests {
     #[test]
     fn session_is_brief_when_its_last_frames_were_and_large_when_its_mesh_or_last_frame_is() {
         let pace = Pace::new(100);
-        assert!(!pace.is_brief() && !pace.is_large(), "nothing is known of it yet");
+        assert!(!pace.is_brief(true) && !pace.is_large(), "nothing is known of it yet");
         pace.record(100_000);
-        assert!(pace.is_brief());
+        assert!(pace.is_brief(true));
         pace.record(LARGE_NS + 1);
-        assert!(!pace.is_brief() && pace.is_large());
+        assert!(!pace.is_brief(true) && pace.is_large());
         pace.record(100_000);
-        assert!(!pace.is_brief() && !pace.is_large(), "the next may be long again");
+        assert!(!pace.is_brief(true) && !pace.is_large(), "the next may be long again");
         for _ in 0..40 {
             pace.record(100_000);
         }
-        assert!(pace.is_brief());
+        assert!(pace.is_brief(true));
         let large = Pace::new(LARGE_FACES + 1);
         large.record(100_000);
-        assert!(!large.is_brief() && large.is_large());
+        assert!(large.is_large() && !large.is_brief(true) && large.is_brief(false));
     }
 }
