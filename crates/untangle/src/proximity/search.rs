@@ -95,7 +95,7 @@ impl ProximitySearch {
             self.owners = Owners::new(mesh, &self.bvh);
             self.stars = Stars::new(mesh, &self.bvh);
         }
-        self.bvh.refit(frame);
+        self.bvh.refit(mesh, frame);
     }
 
     /// Looks for what is wanted; what is found stays in the shares.

@@ -18,10 +18,10 @@ impl Bvh {
     /// have [`FAR_ROUNDING`] beside it.
     pub(crate) fn margin_f32(&self, margin_m: f64) -> f32 {
         #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
-        let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+        let margin = (margin_m * self.scale() * (1.0 + 1e-6) + 1e-6) as f32;
         if margin < 0.25 * f32::MAX {
             margin
-        } else if self.has_far {
+        } else if self.has_far() {
             // Far coordinates end where single precision does, as grown boxes do: with this all of them overlap.
             f32::INFINITY
         } else {
@@ -104,7 +104,7 @@ impl Bvh {
         let NodePair { level, nodes: [a, b] } = pair;
         let boxes = &self.levels[level];
         let first = &boxes[a as usize];
-        let inflated = if self.has_far { first.inflated_far(margin) } else { first.inflated(margin) };
+        let inflated = if self.has_far() { first.inflated_far(margin) } else { first.inflated(margin) };
         inflated.overlap_mask_x8(simd, &boxes[b as usize])
     }
 
