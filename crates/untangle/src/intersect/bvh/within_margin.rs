@@ -80,10 +80,17 @@ impl Bvh {
 
     /// Starts a traversal from the root: puts pairs of subtrees on the list that can be traversed independently, nodes
     /// of the topmost level with at least `min_nodes` whose boxes come within a [margin](Self::margin_f32).
-    pub(crate) fn near_subtrees(&self, margin: f32, min_nodes: usize, pairs: &mut Vec<NodePair>) {
+    pub(crate) fn near_subtrees(
+        &self,
+        margin: f32,
+        min_nodes: usize,
+        stack: &mut Vec<NodePair>,
+        pairs: &mut Vec<NodePair>,
+    ) {
         pairs.clear();
         let end_level = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= min_nodes).unwrap_or(0);
-        let mut stack: Vec<NodePair> = self.root_pair().into_iter().collect();
+        stack.clear();
+        stack.extend(self.root_pair());
         while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
             if level <= end_level {
                 pairs.push(pair);
@@ -92,7 +99,7 @@ impl Bvh {
                 if a == b {
                     children &= ABOVE_DIAGONAL | DIAGONAL;
                 }
-                push_children(pair, children, &mut stack);
+                push_children(pair, children, stack);
             }
         }
     }
