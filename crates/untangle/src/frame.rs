@@ -232,7 +232,7 @@ mod tests {
 
     /// A body of more than a block, then a triangle of cloth.
     fn body_and_cloth() -> (Mesh, Vec<[f64; 3]>) {
-        let num_body = 3 * (VERTICES_PER_BLOCK as u32 / 2);
+        let num_body = u32::try_from(3 * (VERTICES_PER_BLOCK / 2)).unwrap();
         let faces = vec![[0, 1, 2], [num_body, num_body + 1, num_body + 2]];
         let (num_vertices, body) = (num_body as usize + 3, (0..num_body).collect());
         let mesh = Mesh::new(MeshDescription { num_vertices, faces, body, ..Default::default() }).unwrap();

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 use super::{
     aabb::{Aabb, AabbX8, WIDTH},
-    single_map::{Bounds, SingleMap, bounds_of},
+    single_map::{SingleMap, bounds_of},
     tree::Bvh,
 };
 use crate::{
-    frame::{BodyVersion, Frame},
+    frame::Frame,
     mesh::{Mesh, VertexId},
 };
 
@@ -21,15 +21,6 @@ const MIN_NODES_PER_TASK: usize = 256;
 /// from where the map without rounding would take them: half a unit in the last place below one, and what the steps in
 /// double precision add. Most are at most one half, but not where the middle of a frame is rounded to its end.
 pub(crate) const POINT_F32_ERROR: f64 = (0.25 + 1e-6) * f32::EPSILON as f64;
-
-/// What a tree was fitted to.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Fitted {
-    /// Into single precision.
-    pub(super) map: SingleMap,
-    body: BodyVersion,
-    body_bounds: Bounds,
-}
 
 impl Bvh {
     /// Fits all boxes to the positions of a frame of the mesh that the tree is of.
@@ -143,7 +134,7 @@ mod tests {
         assert!(spoil_bodies(&mesh, &mut bvh) > 250);
         assert!(!refit(&mut bvh, &positions), "the body was fitted again");
         let is_spoilt = |bvh: &Bvh| bvh.levels[0][bvh.hubs.bodies(0)].iter().all(|node| node.get(0).min[0] > 9.0);
-        assert!(is_spoilt(&bvh) && bvh.points_f32[0] == [9.0; 4]);
+        assert!(is_spoilt(&bvh) && bvh.points_f32[0].iter().all(|&along| along > 8.0));
         // The body moves.
         positions[5][2] += 0.25;
         assert!(refit(&mut bvh, &positions));

@@ -3,7 +3,10 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-use crate::mesh::{Mesh, VERTICES_PER_BLOCK};
+use crate::{
+    frame::BodyVersion,
+    mesh::{Mesh, VERTICES_PER_BLOCK},
+};
 
 /// A vertex after the map; the fourth component makes a point one load, and marks one that is far.
 pub(crate) type PointF32 = [f32; 4];
@@ -41,6 +44,15 @@ pub(super) struct SingleMap {
 
 /// Lowest and highest coordinates, in metres.
 pub(super) type Bounds = [[f64; 3]; 2];
+
+/// What a tree was fitted to last.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fitted {
+    pub(super) map: SingleMap,
+    /// Where bodies were, and the bounds of blocks of their vertices.
+    pub(super) body: BodyVersion,
+    pub(super) body_bounds: Bounds,
+}
 
 impl SingleMap {
     /// The map for the vertices of a frame within some bounds. `is_of_few` is for meshes with bodies.
@@ -222,11 +234,11 @@ mod tests {
 
     #[test]
     fn single_map_leaves_out_blocks() {
-        let positions = line(3 * VERTICES_PER_BLOCK as u32);
+        let positions = line(u32::try_from(3 * VERTICES_PER_BLOCK).unwrap());
         let mut points = Vec::new();
         map_of(&positions, true).apply(&positions, |block| block == 1, &mut points);
         for (block, points) in points.chunks(VERTICES_PER_BLOCK).enumerate() {
-            assert_eq!(points.iter().all(|point| *point == PointF32::default()), block == 1);
+            assert_eq!(points.iter().flatten().all(|along| along.to_bits() == 0), block == 1);
         }
     }
 

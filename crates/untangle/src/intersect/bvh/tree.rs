@@ -7,8 +7,7 @@ use super::{
     adjacency::LeafAdjacency,
     build::sort_by_median_splits,
     hubs::{Hubs, group_by_hub},
-    refit::Fitted,
-    single_map::{PointF32, is_far},
+    single_map::{Fitted, PointF32, is_far},
 };
 use crate::{
     frame::Frame,

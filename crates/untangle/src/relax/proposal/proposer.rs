@@ -69,8 +69,9 @@ impl Proposer {
     ///
     /// Then what keeps the gap of the settings is added, where there is one: see [`KeptApart::add`].
     ///
-    /// Cost: without a gap nothing where nothing intersects; else that of [`Displaced::find`], and of [`LineSearch::shorten`] where
-    /// something is stopped; for `coupled` that of [`Coupled::find`], which alone allocates once this is warm.
+    /// Cost: without a gap nothing where nothing intersects; else that of [`Displaced::find`], and of
+    /// [`LineSearch::shorten`] where something is stopped; for `coupled` that of [`Coupled::find`], which alone
+    /// allocates once this is warm.
     pub(crate) fn propose(
         &mut self,
         view: &AnalysedFrame<'_>,

@@ -24,7 +24,7 @@ use crate::{
     sparse_map::SparseMap,
 };
 
-/// Pairs up to so many times the thickness are looked at: there the force law, whose offset is half the thickness, ends.
+/// Pairs up to so many times the thickness are looked at: there the force law ends, whose offset is half the thickness.
 const HORIZON: f64 = 1.5;
 /// A pair joined along the surface by less than so many times the horizon is near by the shape of the cloth: a bend
 /// round a gap of one thickness takes a third of that.
