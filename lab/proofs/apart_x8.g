@@ -4,7 +4,7 @@
 #   let needed = simd.add(simd.mul(margin_squared, simd.dot(axis, axis)), simd.splat(L::FLOOR));
 #   simd.gt_zero_mask(simd.min(gap, simd.sub(simd.mul(gap, gap), needed)))
 # code crates/untangle/src/intersect/bvh/within_margin.rs
-#   let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+#   let margin = (margin_m * self.scale() * (1.0 + 1e-6) + 1e-6) as f32;
 #
 # About points as they are after the map. The product of an axis with a difference: its three terms are off by the
 # difference (d1), the product (d2) and two sums (d3, d4), as a part of the largest rounded differences. The bound has

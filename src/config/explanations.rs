@@ -20,7 +20,10 @@ pub(super) const TESTED_PAIRS: &str = concat!(
 );
 
 /// Explains `settings.thickness_m`.
-pub(super) const THICKNESS: &str = "Thickness of the cloth in metres. Without it the mean edge length stands in.";
+pub(super) const THICKNESS: &str = concat!(
+    "Thickness of the cloth in metres: what is not tangled is kept so far apart. ",
+    "Without it the mean edge length stands in where tangles are concerned, and nothing else is kept apart."
+);
 
 /// Explains `settings.repair_deadline_us`.
 pub(super) const REPAIR_DEADLINE: &str = concat!(

@@ -85,16 +85,24 @@ fn analyser_and_responder_on_warm_frames_allocate_nothing() {
     assert_eq!(worst, [0, 0], "allocations of warm frames in analysis and in response");
 }
 
-/// Tangles whose displacements are judged, and shortened in some of them.
+/// Tangles whose displacements are judged, and shortened in some of them; with a gap that is kept beside them.
 #[test]
-fn untangler_on_warm_frames_of_judged_displacements_allocates_nothing() {
+fn untangler_on_warm_frames_of_judged_displacements_and_of_a_gap_allocates_nothing() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let settings = Settings { response: Response::Displacement, ..Settings::default() };
-    for name in ["gallery", "curtains", "tongue", "twist"] {
+    let cases = [
+        (Response::Displacement, None),
+        (Response::Displacement, Some(0.01)),
+        (Response::Rbf, Some(0.01)),
+        (Response::Contour, Some(0.01)),
+    ];
+    for (name, (response, thickness_m)) in
+        ["gallery", "curtains", "tongue", "twist"].into_iter().flat_map(|name| cases.map(|case| (name, case)))
+    {
+        let settings = Settings { response, thickness_m, ..Settings::default() };
         let cloth = name.parse::<Scene>().unwrap().build(1, 0.03);
         let mesh = Arc::new(meshes(&cloth).swap_remove(1));
         let frame = Frame::new(&mesh, &cloth.points()).unwrap();
-        let mut untangler = Untangler::new(Arc::clone(&mesh), settings.clone()).unwrap();
+        let mut untangler = Untangler::new(Arc::clone(&mesh), settings).unwrap();
         let counts = pool.install(|| {
             // The second is the first that is searched by certificates.
             [0, 1, 2, 3].map(|_| {
@@ -104,7 +112,7 @@ fn untangler_on_warm_frames_of_judged_displacements_allocates_nothing() {
                 count.count_total
             })
         });
-        println!("{name}: {counts:?} allocations in a frame");
-        assert!(counts[0] > 0 && counts[2..] == [0, 0], "{name}: {counts:?}");
+        println!("{name}, {response:?}, {thickness_m:?}: {counts:?} allocations in a frame");
+        assert!(counts[0] > 0 && counts[2..] == [0, 0], "{name}, {response:?}, {thickness_m:?}: {counts:?}");
     }
 }

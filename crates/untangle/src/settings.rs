@@ -33,7 +33,8 @@ pub struct Settings {
     /// default of `max_step_edge_lengths`, `f_max` is at least twice the depth of the tangle over the square of this.
     /// Infinity leaves the limit to the edges.
     pub steps_to_clean: f64,
-    /// Thickness of the cloth in metres. Without it `h` stands in.
+    /// Thickness of the cloth in metres: what is not tangled is kept so far apart, see [`gap_m`](Self::gap_m). Without
+    /// it `h` stands in where tangles are concerned, and nothing else is kept apart.
     pub thickness_m: Option<f64>,
     /// Fewest centres of a radial basis function fit.
     pub min_centres: usize,
@@ -175,6 +176,13 @@ pub struct SettingsError {
 }
 
 impl Settings {
+    /// The distance in metres that is kept where nothing is tangled: the thickness, where one is set. Of a pair of
+    /// primitives that is joined along the surface by less than one and a half times as much nothing is asked.
+    #[must_use]
+    pub fn gap_m(&self) -> Option<f64> {
+        self.thickness_m.filter(|&thickness_m| thickness_m > 0.0)
+    }
+
     /// Most pairs of faces that may intersect in a frame of a mesh of `num_faces`.
     #[must_use]
     pub fn max_face_pairs(&self, num_faces: usize) -> u64 {

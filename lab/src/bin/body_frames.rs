@@ -4,9 +4,10 @@
 //! cargo run --release -p untangled-lab --bin body_frames -- [FRAMES]
 //! ```
 //!
-//! A ball of 100,000 triangles, and an open tube of 30,000 round it that is clean, or of which a tenth of the vertices
-//! is inside. The cloth moves a little in each frame; the body stays, or moves with it, or is not there. The daemon is
-//! a process of this program; times are means of FRAMES (60) frames after ten others.
+//! A ball of 100,000 triangles, and an open tube of 30,000 round it that is clean, an edge away from the ball or half
+//! its radius, or of which a tenth of the vertices is inside. The cloth moves a little in each frame, or slowly, so
+//! that certificates last; the body stays, or moves with it, or is not there. The daemon is a process of this program;
+//! times are means of FRAMES (60) frames after ten others.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::cast_precision_loss, reason = "prints a table of means")]
 
@@ -33,6 +34,13 @@ const BODY_RINGS: u32 = 159;
 /// Frames that are not counted.
 const WARM: usize = 10;
 
+/// Of the tube, and of one that is far from the ball.
+const NEAR_RADIUS: f64 = 1.02 * RADIUS;
+const FAR_RADIUS: f64 = 1.5 * RADIUS;
+/// How high the wave through the cloth is, in its edges: so far that no certificate lasts, and so little that most do.
+const FAST: f64 = 0.05;
+const SLOW: f64 = 0.001;
+
 /// What stands beside the cloth.
 #[derive(Clone, Copy, PartialEq)]
 enum Body {
@@ -40,6 +48,36 @@ enum Body {
     Still,
     Moving,
 }
+
+/// What is measured.
+#[derive(Clone, Copy)]
+struct Case {
+    body: Body,
+    is_inside: bool,
+    radius: f64,
+    wave_edges: f64,
+}
+
+const CASES: [(Case, &str); 10] = {
+    const fn case(body: Body, radius: f64, wave_edges: f64) -> Case {
+        Case { body, is_inside: false, radius, wave_edges }
+    }
+    const fn inside(body: Body) -> Case {
+        Case { is_inside: true, ..case(body, NEAR_RADIUS, FAST) }
+    }
+    [
+        (case(Body::Missing, NEAR_RADIUS, FAST), "no body"),
+        (case(Body::Missing, FAR_RADIUS, FAST), "no body, a wider tube"),
+        (case(Body::Still, FAR_RADIUS, FAST), "clean, far from a body that stays"),
+        (case(Body::Still, NEAR_RADIUS, FAST), "clean, round a body that stays"),
+        (case(Body::Moving, NEAR_RADIUS, FAST), "clean, round a body that moves"),
+        (inside(Body::Still), "a tenth inside, a body that stays"),
+        (inside(Body::Moving), "a tenth inside, a body that moves"),
+        (case(Body::Missing, NEAR_RADIUS, SLOW), "slow, no body"),
+        (case(Body::Still, NEAR_RADIUS, SLOW), "slow, clean, round a body that stays"),
+        (case(Body::Moving, NEAR_RADIUS, SLOW), "slow, clean, round a body that moves"),
+    ]
+};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -52,16 +90,8 @@ fn main() {
     let domain = TestDomain::new();
     let client_role = |_: &str, _: &str| unreachable!("no client is a process of this program");
     let daemon = Programs { daemon, client: client_role }.start_daemon(&domain);
-    let rows: Vec<(&str, [f64; 9])> = [
-        (Body::Missing, false, "no body"),
-        (Body::Still, false, "clean, a body that stays"),
-        (Body::Moving, false, "clean, a body that moves"),
-        (Body::Still, true, "a tenth inside, a body that stays"),
-        (Body::Moving, true, "a tenth inside, a body that moves"),
-    ]
-    .into_iter()
-    .map(|(body, is_inside, name)| (name, means(&domain, body, is_inside, num_frames)))
-    .collect();
+    let rows: Vec<(&str, [f64; 9])> =
+        CASES.into_iter().map(|(case, name)| (name, means(&domain, case, num_frames))).collect();
     assert!(daemon.stop(Signal::TERM).success());
     print_text("Milliseconds of a frame, means\n");
     let names: Vec<String> = stage::NAMES.iter().map(|name| (*name).to_owned()).collect();
@@ -74,8 +104,9 @@ fn main() {
 }
 
 /// Mean times of the stages, in milliseconds, and last that of the whole exchange.
-fn means(domain: &TestDomain, body: Body, is_inside: bool, num_frames: usize) -> [f64; 9] {
-    let scene = scene(body != Body::Missing, is_inside);
+fn means(domain: &TestDomain, case: Case, num_frames: usize) -> [f64; 9] {
+    let Case { body, is_inside, .. } = case;
+    let scene = scene(case);
     let registration = Registration {
         num_vertices: scene.sheet.positions.len(),
         triangles: scene.sheet.faces.clone(),
@@ -88,7 +119,7 @@ fn means(domain: &TestDomain, body: Body, is_inside: bool, num_frames: usize) ->
     let mut session = client.register(registration).unwrap();
     let mut sums = [0.0; 9];
     for frame in 0..WARM + num_frames {
-        let positions = scene.frame(frame, body == Body::Moving);
+        let positions = scene.frame(frame, body == Body::Moving, case.wave_edges);
         let start = Instant::now();
         let correction = session.exchange(STEP, PATIENCE, |slots| slots.copy_from_slice(&positions)).unwrap();
         let round_trip_ms = 1e3 * start.elapsed().as_secs_f64();
@@ -108,9 +139,9 @@ struct Scene {
 }
 
 /// The tube alone, or round the ball: outside of it, or with a tenth inside.
-fn scene(has_body: bool, is_inside: bool) -> Scene {
+fn scene(Case { body, is_inside, radius, .. }: Case) -> Scene {
     let mut sheet = Sheet::default();
-    if has_body {
+    if body != Body::Missing {
         sheet.add_ball([0.0; 3], RADIUS, BODY_RINGS);
     }
     let num_body = u32::try_from(sheet.positions.len()).unwrap();
@@ -118,24 +149,24 @@ fn scene(has_body: bool, is_inside: bool) -> Scene {
     // Far from round the ball, so that a tenth of it is inside.
     let part_inside = |shift: f64| {
         let mut tube = Sheet::default();
-        tube.add_tube(1.02 * RADIUS, [-HEIGHT, HEIGHT], [AROUND, ROWS], |_, _| [shift, 0.001, 0.0]);
+        tube.add_tube(radius, [-HEIGHT, HEIGHT], [AROUND, ROWS], |_, _| [shift, 0.001, 0.0]);
         let inside = tube.positions.iter().filter(|at| at.iter().map(|value| value * value).sum::<f64>() < 1.0).count();
         inside as f64 / tube.positions.len() as f64
     };
     let least = if is_inside { 0.1 } else { 0.0 };
     let shift = (0..400).map(|step| f64::from(step) * 1e-4).find(|&shift| part_inside(shift) >= least).unwrap();
-    sheet.add_tube(1.02 * RADIUS, [-HEIGHT, HEIGHT], [AROUND, ROWS], |_, _| [shift, 0.001, 0.0]);
+    sheet.add_tube(radius, [-HEIGHT, HEIGHT], [AROUND, ROWS], |_, _| [shift, 0.001, 0.0]);
     let num_cloth = sheet.positions.len() - first;
     eprintln!("{} body vertices, {num_cloth} of cloth, {} triangles", num_body, sheet.faces.len());
     Scene { sheet, num_body }
 }
 
 impl Scene {
-    /// Positions of a frame: a wave of a twentieth of an edge runs through what moves.
+    /// Positions of a frame: a wave of so many edges runs through what moves.
     #[expect(clippy::cast_possible_truncation, reason = "the session is in single precision")]
-    fn frame(&self, frame: usize, body_moves: bool) -> Vec<[f32; 3]> {
+    fn frame(&self, frame: usize, body_moves: bool, wave_edges: f64) -> Vec<[f32; 3]> {
         let edge = std::f64::consts::TAU * RADIUS / f64::from(AROUND);
-        let wave = |at: f64| 0.05 * edge * (0.3 * frame as f64 + 9.0 * at).sin();
+        let wave = |at: f64| wave_edges * edge * (0.3 * frame as f64 + 9.0 * at).sin();
         let places = self.sheet.positions.iter().zip(0u32..);
         let moved = places.map(|(at, vertex)| {
             let moves = vertex >= self.num_body || body_moves;

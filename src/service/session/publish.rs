@@ -57,7 +57,7 @@ pub(crate) fn header(state: &StateHeader, outcome: &Outcome<'_>, values: &Values
         dt_s: state.dt_s,
         status: Status::Ok.code(),
         kind: kind as u32,
-        flags: if left_out.num_pairs > 0 { TRUNCATED } else { 0 },
+        flags: if left_out.num_pairs > 0 || left_out.gap { TRUNCATED } else { 0 },
         num_vertices: state.num_vertices,
         fault_index: NO_FAULT,
         num_edge_face_intersections: analysis.intersections.edge_face.len() as u64,

@@ -37,6 +37,7 @@ fn search_with_bodies_equals_brute_force_without_pairs_of_their_faces() {
         let (mesh, positions) = scene(seed, is_body);
         // Steps so small that the later searches look only where certificates have expired.
         let (mut intersector, mut found) = (Intersector::default(), Intersections::default());
+        let mut frame = Frame::default();
         // Bodies move, stay, and move again.
         for (step, step_of_bodies) in (0..).zip([0, 1, 1, 1, 2]) {
             let moved = (0..).zip(&positions).map(|(vertex, &[x, y, z])| {
@@ -45,7 +46,7 @@ fn search_with_bodies_equals_brute_force_without_pairs_of_their_faces() {
                 [x + shift * y, y, z - shift * x]
             });
             let moved: Vec<[f64; 3]> = moved.collect();
-            let frame = Frame::new(&mesh, &moved).unwrap();
+            frame.set(&mesh, moved.iter().copied()).unwrap();
             intersector.intersect(&mesh, &frame, &mut found);
             let is_body_edge = |edge| mesh.is_body(mesh.edge(edge)[0]);
             let all = brute_force::edge_face_intersections(&mesh, &frame);
@@ -59,4 +60,37 @@ fn search_with_bodies_equals_brute_force_without_pairs_of_their_faces() {
         }
     }
     assert!(counts.iter().all(|&count| count > 1000), "{counts:?}");
+}
+
+#[test]
+fn search_after_frames_whose_bodies_stayed_equals_the_first_search_of_a_frame() {
+    // So large that most blocks of vertices and nodes of the tree hold nothing but a body.
+    let (body, cloth) = (crumpled(3, 60), crumpled(4, 30));
+    let num_body = u32::try_from(body.positions.len()).unwrap();
+    let faces = body.faces.into_iter().chain(cloth.faces.iter().map(|face| face.map(|corner| corner + num_body)));
+    let positions: Vec<[f64; 3]> = body.positions.into_iter().chain(cloth.positions).collect();
+    let description = MeshDescription { num_vertices: positions.len(), faces: faces.collect(), ..Default::default() };
+    let mesh = Mesh::new(MeshDescription { body: (0..num_body).collect(), ..description }).unwrap();
+    // Steps at which all is searched again, and such that certificates last.
+    for size in [0.01, 1e-5] {
+        let (mut intersector, mut frame) = (Intersector::default(), Frame::default());
+        let mut counts = Vec::new();
+        for (step, step_of_body) in (0..).zip([0, 0, 0, 1, 1, 2, 2, 2]) {
+            let moved = (0..).zip(&positions).map(|(vertex, &[x, y, z])| {
+                let shift = size * f64::from(if vertex < num_body { step_of_body } else { step });
+                [x + shift * y, y, z - shift * x]
+            });
+            let moved: Vec<[f64; 3]> = moved.collect();
+            frame.set(&mesh, moved.iter().copied()).unwrap();
+            let [mut found, mut expected] = [(); 2].map(|()| Intersections::default());
+            intersector.intersect(&mesh, &frame, &mut found);
+            Intersector::default().intersect(&mesh, &Frame::new(&mesh, &moved).unwrap(), &mut expected);
+            assert_eq!(found.edge_face, expected.edge_face, "steps of {size}, step {step}");
+            assert_eq!(found.segments, expected.segments, "steps of {size}, step {step}");
+            counts.push(found.edge_face.len());
+        }
+        assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
+        counts.dedup();
+        assert!(size < 0.01 || counts.len() > 4, "{counts:?}");
+    }
 }

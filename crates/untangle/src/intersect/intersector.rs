@@ -121,11 +121,11 @@ impl Intersector {
         }
         match self.cache.advance(mesh, frame) {
             Mode::Cold => {
-                self.bvh.refit(frame);
+                self.bvh.refit(mesh, frame);
                 self.cold_search(mesh, frame, rounds)
             }
             Mode::Rebuild => {
-                self.bvh.refit(frame);
+                self.bvh.refit(mesh, frame);
                 if self.collect_leaf_pairs(max_pairs) {
                     self.cached_search(mesh, frame, rounds)
                 } else {

@@ -101,7 +101,7 @@ fn separating_axis_x8_of_intersecting_triangles_is_never_found() {
             (0..48).map(|k| numbers.point().map(|x| if k == 0 { x } else { 1.0 + size * x })).collect();
         let frame = Frame::new(&mesh, &positions).unwrap();
         bvh.prepare(&mesh, &frame);
-        bvh.refit(&frame);
+        bvh.refit(&mesh, &frame);
         let separated = by_all_sets(&|simd| simd.separated(&bvh, &corners));
         for pair in 0..8 {
             let faces = [2 * pair, 2 * pair + 1];
@@ -156,7 +156,7 @@ impl Stars {
         let frame = Frame::new(&self.mesh, positions).unwrap();
         let mut bvh = Bvh::default();
         bvh.prepare(&self.mesh, &frame);
-        bvh.refit(&frame);
+        bvh.refit(&self.mesh, &frame);
         let rings = OneRings::new(&self.mesh, bvh.faces());
         assert_eq!((rings.len(), rings.num_batches()), (8, usize::from(self.closed)));
         let in_single = if self.closed { by_all_sets(&|simd| simd.injective(&bvh, &rings, 0)) } else { 0 };

@@ -2,6 +2,7 @@
 
 use super::{
     Csr, EdgeId, FaceId, Mesh, MeshDescription, MeshError, MeshIdentity, PieceId, VertexId,
+    connectivity::VERTICES_PER_BLOCK,
     uv_chart::find_uv_places,
     validate::{is_usable, validate},
 };
@@ -57,6 +58,7 @@ impl Mesh {
             rest_positions,
             masses_kg,
             is_pinned,
+            is_body_block: is_body.chunks(VERTICES_PER_BLOCK).map(|block| !block.contains(&false)).collect(),
             is_body,
             layers,
             outwards: None,

@@ -29,10 +29,15 @@ pub struct Mesh {
     pub(super) is_pinned: Vec<bool>,
     /// One for each vertex, or empty if there is no body.
     pub(super) is_body: Vec<bool>,
+    /// For each block of vertices whether all of them belong to bodies; empty if there is no body.
+    pub(super) is_body_block: Vec<bool>,
     pub(super) layers: Option<Vec<u32>>,
     /// One for each face, where it is decided.
     pub(super) outwards: Option<Vec<bool>>,
 }
+
+/// Vertices that are looked at together, in the order of their ids, where those of bodies are passed over.
+pub(crate) const VERTICES_PER_BLOCK: usize = 1024;
 
 impl Mesh {
     /// The largest number of vertices or faces: what 31-bit indices can name.
@@ -244,6 +249,11 @@ impl Mesh {
     #[inline(always)]
     pub fn is_body(&self, vertex: VertexId) -> bool {
         self.has_body() && self.is_body[vertex.index()]
+    }
+
+    /// Whether all vertices of a block of [`VERTICES_PER_BLOCK`] belong to bodies.
+    pub(crate) fn is_body_block(&self, block: usize) -> bool {
+        self.has_body() && self.is_body_block[block]
     }
 
     /// Whether a face belongs to a body: all of its corners do, or none.

@@ -20,6 +20,7 @@ pub use description::{MeshDescription, Uvs};
 pub use error::MeshError;
 pub use ids::{EdgeId, FaceId, PieceId, VertexId};
 
+pub(crate) use connectivity::VERTICES_PER_BLOCK;
 pub(crate) use csr::Csr;
 pub(crate) use identity::MeshIdentity;
 pub(crate) use ids::MeshId;

@@ -3,8 +3,8 @@
 //! Barrier solvers (incremental potential contact and its kin) refuse or freeze on states whose primitives are too
 //! close, intersecting or not. A *proximity pair* is a vertex and a face of which it is no corner, or two edges without
 //! a common vertex. Pairs are decided exactly, each counts once, and those that share a vertex never count, nor those
-//! of two bodies. Primitives
-//! are those of the faces that are used: vertices of no face, and faces with a repeated vertex, are none.
+//! of two bodies. Primitives are those of the faces that are used: vertices of no face, and faces with a repeated
+//! vertex, are none.
 //!
 //! Most pairs are neighbours on the surface. So the test of a vertex star comes first: where it proves that no two
 //! primitives of the faces round a vertex are within the margin, no pair of these faces is looked at. What is left goes
@@ -13,6 +13,8 @@
 //! | file | purpose |
 //! |---|---|
 //! | `pair` | the pairs, and their closest points |
+//! | `apart` | the direction in which a pair comes apart |
+//! | `along_surface` | which pairs are joined along the surface |
 //! | `goal` | all pairs below a distance, or the nearest one |
 //! | `owners` | which face answers for a vertex or an edge |
 //! | `stars` | which stars may have near pairs |
@@ -21,6 +23,8 @@
 //!
 //! A row uses those above it only.
 
+mod along_surface;
+mod apart;
 mod goal;
 mod owners;
 mod pair;
@@ -30,5 +34,8 @@ mod stars;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use along_surface::SurfaceWays;
+pub(crate) use apart::direction_apart;
+pub(crate) use pair::closest_points_in_order;
 pub use pair::{ClosestPoints, Primitives, ProximityPair, closest_points};
 pub use search::{ProximityEnd, ProximitySearch};

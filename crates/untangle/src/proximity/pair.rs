@@ -114,14 +114,24 @@ impl Primitives {
 /// The closest points of two primitives.
 #[must_use]
 pub fn closest_points(mesh: &Mesh, frame: &Frame, primitives: Primitives) -> ClosestPoints {
+    closest_between(frame, primitives, primitives.corners(mesh))
+}
+
+/// The closest points of two primitives, the same to the bit in whatever order a face has its corners.
+pub(crate) fn closest_points_in_order(mesh: &Mesh, frame: &Frame, primitives: Primitives) -> ClosestPoints {
+    let mut vertices = primitives.corners(mesh);
+    vertices[1].sort_unstable();
+    closest_between(frame, primitives, vertices)
+}
+
+fn closest_between(frame: &Frame, primitives: Primitives, vertices: [[VertexId; 3]; 2]) -> ClosestPoints {
     let at = |vertex: VertexId| frame.position(vertex).into();
-    let vertices = primitives.corners(mesh);
     let weights = match primitives {
         Primitives::VertexFace { vertex, .. } => {
             [[1.0, 0.0, 0.0], vertex_face_weights(at(vertex), vertices[1].map(at))]
         }
-        Primitives::EdgeEdge { edges } => {
-            let [first, second] = edges.map(|edge| mesh.edge(edge).map(at));
+        Primitives::EdgeEdge { .. } => {
+            let [first, second] = vertices.map(|[a, b, _]| [a, b].map(at));
             edge_edge_weights(first, second).map(|[a, b]| [a, b, 0.0])
         }
     };

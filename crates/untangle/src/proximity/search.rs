@@ -41,6 +41,7 @@ pub struct ProximitySearch {
     bvh: Bvh,
     owners: Owners,
     stars: Stars,
+    stack: Vec<NodePair>,
     subtrees: Vec<NodePair>,
     shares: Vec<Share>,
 }
@@ -95,15 +96,15 @@ impl ProximitySearch {
             self.owners = Owners::new(mesh, &self.bvh);
             self.stars = Stars::new(mesh, &self.bvh);
         }
-        self.bvh.refit(frame);
+        self.bvh.refit(mesh, frame);
     }
 
     /// Looks for what is wanted; what is found stays in the shares.
     fn run(&mut self, mesh: &Mesh, frame: &Frame, goal: Goal<'_>) {
         let margin = goal.margin(&self.bvh);
         self.test_stars(margin);
-        self.bvh.near_subtrees(margin, MIN_SUBTREES, &mut self.subtrees);
-        let Self { bvh, owners, stars, subtrees, shares } = self;
+        self.bvh.near_subtrees(margin, MIN_SUBTREES, &mut self.stack, &mut self.subtrees);
+        let Self { bvh, owners, stars, subtrees, shares, .. } = self;
         let num_subtree_shares = MAX_SUBTREE_SHARES.min(subtrees.len());
         let num_star_shares = stars.open.len().div_ceil(OPEN_STARS_PER_SHARE);
         let shares = begin(shares, num_subtree_shares + num_star_shares);

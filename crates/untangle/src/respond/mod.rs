@@ -31,10 +31,15 @@
 //! limited to `3 f_max m`, and pinned vertices get no force; both break the balance, and a host that needs it looks at
 //! [`VertexFlags::CLAMPED`]. CLOSED and LL get each force from both sides, as (4) does when it is applied
 //! symmetrically. Displacements (section 5.2) are means of `0.6 d + o / 2` along `e`, and keep no momentum.
+//!
+//! Where a thickness `t` is set, pairs of primitives outside of all tangles at a distance `d` below `1.5 t` are set
+//! apart as well: by `F(t - d)` along the line of their closest points, shared by the masses of both, and divided by
+//! the number of such pairs at a vertex; as a displacement by `t - d`.
 
 mod boundary_distance;
 mod boundary_push;
 pub(crate) mod contour;
+mod corrections;
 mod displace;
 mod flags;
 mod forces;
@@ -98,11 +103,15 @@ pub struct Corrections {
     pub left_out: LeftOut,
 }
 
-/// Pairs of paths, the shortest ones, that got flags near the path but neither a region nor forces, since time was up.
+/// Pairs of paths, the shortest ones, that got flags near the path but neither a region nor forces, since time was up;
+/// and what else there was no time for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeftOut {
     /// Number of pairs.
     pub num_pairs: usize,
     /// Their length in the world in metres.
     pub length_m: f64,
+    /// Whether nothing was kept apart that is nearer than [`gap_m`](crate::settings::Settings::gap_m), for want of time
+    /// or since there are too many pairs.
+    pub gap: bool,
 }

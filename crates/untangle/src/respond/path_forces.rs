@@ -7,7 +7,7 @@ use super::{
     boundary_push::{BoundaryPush, PushedPath},
     contour::{GUARD, length_gradient},
     displace::Displacements,
-    forces::{Field, ForceLaw, Forces, Spread, limited, mass_at, mass_kg},
+    forces::{Field, ForceLaw, Forces, Gap, Spread, limited, mass_at, mass_kg},
 };
 use crate::{
     analysis::Analysis,
@@ -71,6 +71,11 @@ impl PathForces {
         }
         self.follow_targets(view, found);
         self.act_without_targets(view, found, num_done, observer)
+    }
+
+    /// Adds the forces that keep a gap.
+    pub(crate) fn keep_gap(&mut self, view: &AnalysedFrame<'_>, gap: &mut Gap, thickness_m: f64) {
+        gap.add_forces(view.mesh, view.frame, thickness_m, view.settings, &mut self.forces);
     }
 
     /// Writes the sums into corrections whose forces are zero.

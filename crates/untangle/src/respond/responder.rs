@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::{
     Corrections, LeftOut, VertexFlags,
     flags::set_flags,
-    forces::mass_kg,
+    forces::{Gap, mass_kg},
     path_forces::{AnalysedFrame, PathForces},
 };
 use crate::{
@@ -25,6 +25,7 @@ pub struct Responder {
     corrections: Corrections,
     correspondent: Correspondent,
     path_forces: PathForces,
+    gap: Gap,
     /// Scratch of the flags.
     front: Vec<VertexId>,
     /// The mesh that the corrections are of.
@@ -76,13 +77,20 @@ impl Responder {
         if self.is_labelled {
             self.labeller.find(mesh, frame, analysis, settings, &mut self.corrections.labels);
         }
-        if !matches!(settings.response, Response::Mask | Response::Coupled) && !analysis.paths.copies.is_empty() {
+        let gap_m = settings.gap_m().filter(|_| matches!(settings.response, Response::Rbf | Response::Contour));
+        let mut is_gap_known = true;
+        let has_forces = !matches!(settings.response, Response::Mask | Response::Coupled);
+        if has_forces && (gap_m.is_some() || !analysis.paths.copies.is_empty()) {
             let view = AnalysedFrame { mesh, frame, analysis, settings };
             num_done = self.path_forces.sum(&view, found, num_done, observer);
+            if let Some(gap_m) = gap_m {
+                is_gap_known = self.find_gap(mesh, frame, gap_m, &mut || observer.is_spent());
+                self.path_forces.keep_gap(&view, &mut self.gap, gap_m);
+            }
             self.path_forces.finish(mesh, frame, &mut self.corrections);
             self.corrections.keep_finite();
         }
-        self.corrections.left_out = LeftOut::after(analysis, num_done);
+        self.corrections.left_out = LeftOut { gap: !is_gap_known, ..LeftOut::after(analysis, num_done) };
         self.corrections.list_touched();
         observer.end();
         &self.corrections
@@ -120,6 +128,42 @@ impl Responder {
         corrections.list_touched();
     }
 
+    /// Finds what is nearer than the gap and in no tangle by its flags. False, and nothing, where it can't be known.
+    fn find_gap(&mut self, mesh: &Mesh, frame: &Frame, gap_m: f64, is_spent: &mut dyn FnMut() -> bool) -> bool {
+        let Self { gap, corrections, .. } = self;
+        gap.find(mesh, frame, gap_m, |vertex| corrections.is_untangled(vertex), is_spent)
+    }
+
+    /// Finds the displacements that keep a gap, one for each of some vertices, ascending, in metres: of vertices that
+    /// are in no tangle by their flags, and have no displacement. None, and so noted in the corrections, where time is
+    /// up.
+    pub(crate) fn find_gap_displacements(
+        &mut self,
+        mesh: &Mesh,
+        frame: &Frame,
+        gap_m: f64,
+        should_stop: &dyn Fn() -> bool,
+    ) -> impl Iterator<Item = (VertexId, Vector3<f64>)> {
+        self.corrections.left_out.gap = !self.find_gap(mesh, frame, gap_m, &mut || should_stop());
+        let Self { gap, corrections, .. } = self;
+        gap.displacements(mesh, gap_m, |vertex| corrections.forces[vertex.index()] != Vector3::zeros())
+    }
+
+    /// Notes that nothing is kept apart.
+    pub(crate) fn leave_out_gap(&mut self) {
+        self.corrections.left_out.gap = true;
+    }
+
+    /// Adds displacements of one step, in metres, one for each of some vertices, to those that corrections are.
+    pub(crate) fn add_displacements(&mut self, mesh: &Mesh, vertices: &[VertexId], displacements: &[Vector3<f64>]) {
+        let Self { corrections, .. } = self;
+        for (&vertex, displacement) in vertices.iter().zip(displacements) {
+            *corrections.force_mut(vertex) += displacement * mass_kg(mesh, vertex);
+            corrections.max_displacement_m = corrections.max_displacement_m.max(displacement.norm());
+        }
+        corrections.list_touched();
+    }
+
     /// Takes the mask and the labels away from some vertices.
     pub(crate) fn unmask(&mut self, is_unmasked: impl Fn(VertexId) -> bool) {
         let Corrections { touched, flags, labels, .. } = &mut self.corrections;
@@ -140,107 +184,6 @@ impl Responder {
     #[must_use]
     pub fn correspondences(&self) -> &Correspondences {
         self.correspondent.found()
-    }
-}
-
-impl Corrections {
-    /// Sets flags of a vertex.
-    pub(crate) fn flag(&mut self, vertex: VertexId, flags: VertexFlags) {
-        self.touch(vertex);
-        self.flags[vertex.index()].insert(flags);
-    }
-
-    /// The force on a vertex, to be changed.
-    pub(crate) fn force_mut(&mut self, vertex: VertexId) -> &mut Vector3<f64> {
-        self.touch(vertex);
-        &mut self.forces[vertex.index()]
-    }
-
-    /// Notes a vertex whose force or flags are about to change. One that has either is noted already.
-    fn touch(&mut self, vertex: VertexId) {
-        if !self.is_touched(vertex) {
-            self.touched.push(vertex);
-        }
-    }
-
-    fn is_touched(&self, vertex: VertexId) -> bool {
-        let VertexFlags(flags) = self.flags[vertex.index()];
-        // By its bits, so that a negative zero does not stay for the next frame.
-        flags & !VertexFlags::PINNED.0 != 0 || self.forces[vertex.index()].iter().any(|value| value.to_bits() != 0)
-    }
-
-    /// Lists the vertices that have a force or a flag other than pinned, each once, in order.
-    ///
-    /// Cost: a sort of the list; nothing where it is empty.
-    fn list_touched(&mut self) {
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.sort_unstable();
-        touched.dedup();
-        touched.retain(|&vertex| self.is_touched(vertex));
-        self.touched = touched;
-        debug_assert_eq!(
-            (0..self.forces.len()).filter(|&index| self.is_touched(VertexId::from_index(index))).count(),
-            self.touched.len(),
-            "a force or a flag was set past `force_mut` and `flag`"
-        );
-    }
-
-    /// Leaves out forces that are not finite: settings and masses at the limits of floating point can make such.
-    fn keep_finite(&mut self) {
-        let is_finite = |vector: &Vector3<f64>| vector.iter().all(|value| value.is_finite());
-        for vertex in &self.touched {
-            let force = &mut self.forces[vertex.index()];
-            if !is_finite(force) {
-                *force = Vector3::zeros();
-            }
-        }
-        for sum in [&mut self.net_force, &mut self.net_torque] {
-            if !is_finite(sum) {
-                *sum = Vector3::zeros();
-            }
-        }
-        if !self.max_displacement_m.is_finite() {
-            self.max_displacement_m = 0.0;
-        }
-    }
-
-    /// Makes all values zero. Flags stay, but for that of values that were limited.
-    ///
-    /// Cost: linear in the vertices that were touched.
-    fn clear_values(&mut self) {
-        for vertex in &self.touched {
-            self.forces[vertex.index()] = Vector3::zeros();
-            self.flags[vertex.index()].0 &= !VertexFlags::CLAMPED.0;
-        }
-        self.net_force = Vector3::zeros();
-        self.net_torque = Vector3::zeros();
-        self.max_displacement_m = 0.0;
-    }
-
-    /// Makes them those of a mesh, all zero but for the flags of pinned vertices.
-    fn begin(&mut self, mesh: &Mesh) {
-        self.forces.clear();
-        self.forces.resize(mesh.num_vertices(), Vector3::zeros());
-        let pinned = |vertex| if mesh.is_pinned(vertex) { VertexFlags::PINNED } else { VertexFlags::default() };
-        self.flags.clear();
-        self.flags.extend(mesh.vertex_ids().map(pinned));
-        self.touched.clear();
-        self.reset();
-    }
-
-    /// Makes them what they were at the beginning.
-    ///
-    /// Cost: linear in the vertices that were touched.
-    fn reset(&mut self) {
-        for vertex in self.touched.drain(..) {
-            self.forces[vertex.index()] = Vector3::zeros();
-            self.flags[vertex.index()].0 &= VertexFlags::PINNED.0;
-        }
-        self.labels.clear();
-        self.net_force = Vector3::zeros();
-        self.net_torque = Vector3::zeros();
-        self.max_displacement_m = 0.0;
-        self.left_out = LeftOut::default();
     }
 }
 

@@ -15,7 +15,8 @@ pub(crate) struct LeafAdjacency {
     offsets: Vec<u32>,
     /// The second leaf, and bit `8 i + k` for faces `i` of the first leaf and `k` of the second that share a vertex.
     masks: Vec<(u32, u64)>,
-    is_incomplete: bool,
+    has_bodies: bool,
+    has_hubs: bool,
 }
 
 impl LeafAdjacency {
@@ -30,13 +31,13 @@ impl LeafAdjacency {
             let first = adjacency.masks.len();
             for (slot, &face) in faces.iter().enumerate() {
                 if mesh.is_body_face(face) {
-                    adjacency.is_incomplete = true;
+                    adjacency.has_bodies = true;
                     continue;
                 }
                 for vertex in mesh.face(face) {
                     let around = mesh.vertex_faces(vertex);
                     if around.len() > MAX_ADJACENT_FACES {
-                        adjacency.is_incomplete = true;
+                        adjacency.has_hubs = true;
                         continue;
                     }
                     for other in around.iter().map(|other| place_of[other.index()]) {
@@ -71,6 +72,11 @@ impl LeafAdjacency {
     /// Whether pairs around vertices of more than [`MAX_ADJACENT_FACES`] faces, or pairs of faces of bodies, are
     /// missing from the masks.
     pub(crate) fn is_incomplete(&self) -> bool {
-        self.is_incomplete
+        self.has_bodies || self.has_hubs
+    }
+
+    /// Whether there are vertices of cloth of more than [`MAX_ADJACENT_FACES`] faces.
+    pub(crate) fn has_hubs(&self) -> bool {
+        self.has_hubs
     }
 }

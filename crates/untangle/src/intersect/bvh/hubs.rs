@@ -72,6 +72,13 @@ impl Hubs {
     pub(super) fn are_bodies(&self, level: usize, a: u32, b: u32) -> bool {
         self.levels.get(level).is_some_and(|hubs| hubs[a as usize] == BODY && hubs[b as usize] == BODY)
     }
+
+    /// The nodes of a level all of whose faces are faces of bodies: they stand side by side.
+    pub(super) fn bodies(&self, level: usize) -> Range<usize> {
+        let hubs = self.levels.get(level).map_or(&[][..], Vec::as_slice);
+        let first = hubs.iter().position(|&hub| hub == BODY).unwrap_or_default();
+        first..first + hubs[first..].iter().take_while(|&&hub| hub == BODY).count()
+    }
 }
 
 /// For each eight in a row what they have in common.

@@ -1,11 +1,13 @@
 //! The tree: what is built once for each mesh.
 
+use std::ops::Range;
+
 use super::{
     aabb::{Aabb, AabbX8, WIDTH},
     adjacency::LeafAdjacency,
     build::sort_by_median_splits,
     hubs::{Hubs, group_by_hub},
-    single_map::{PointF32, is_far},
+    single_map::{Fitted, PointF32, is_far},
 };
 use crate::{
     frame::Frame,
@@ -29,14 +31,14 @@ pub(crate) struct Bvh {
     /// Boxes of the nodes, from the leaves up; the last level has one node.
     pub(super) levels: Vec<Vec<AabbX8>>,
     pub(super) points_f32: Vec<PointF32>,
-    /// Of the map into single precision.
-    pub(super) scale: f64,
-    /// Whether some vertices are so far away that the map does not resolve them.
-    pub(super) has_far: bool,
+    /// What `levels` and `points_f32` were fitted to last.
+    pub(super) fitted: Fitted,
     /// Pairs of faces that the traversal leaves out.
     pub(super) adjacency: LeafAdjacency,
     /// The common vertices of nodes all of whose faces meet in a vertex of many faces.
-    hubs: Hubs,
+    pub(super) hubs: Hubs,
+    /// The places of the faces of bodies, which stand side by side.
+    bodies: Range<u32>,
     /// Of the mesh for which the tree was built.
     identity: Option<MeshIdentity>,
 }
@@ -59,6 +61,8 @@ impl Bvh {
                 sort_by_median_splits(&mut self.order[alike], &centroid);
             }
             self.hubs = Hubs::new(mesh, &self.order);
+            self.fitted = Fitted::default();
+            self.bodies = body_places(mesh, &self.order);
             self.corners.clear();
             self.corners.extend(self.order.iter().map(|&face| mesh.face(face)));
             self.adjacency = LeafAdjacency::new(mesh, &self.order);
@@ -102,7 +106,7 @@ impl Bvh {
     /// single precision that [`is_far`](Self::is_far) tells.
     #[inline(always)]
     pub(crate) fn has_far(&self) -> bool {
-        self.has_far
+        self.fitted.map.has_far
     }
 
     /// Whether a vertex is far from all others.
@@ -125,7 +129,7 @@ impl Bvh {
 
     /// One over the largest extent of the frame, in metres; far vertices aside.
     pub(crate) fn scale(&self) -> f64 {
-        self.scale
+        self.fitted.map.scale
     }
 
     /// All vertices after the map into single precision.
@@ -156,9 +160,29 @@ impl Bvh {
         self.corners[place as usize]
     }
 
-    /// Whether the traversal may report pairs that are left out: those that share a vertex, one of more than
-    /// [`MAX_ADJACENT_FACES`](super::MAX_ADJACENT_FACES) faces, and those of two faces of bodies.
+    /// Whether the traversal may report pairs that are [left out](Self::is_left_out).
     pub(crate) fn may_report_left_out(&self) -> bool {
         self.adjacency.is_incomplete()
     }
+
+    /// Whether the search through pairs of boxes leaves out two faces that the traversal reports: they share a vertex,
+    /// one of more than [`MAX_ADJACENT_FACES`](super::MAX_ADJACENT_FACES) faces, round which they are tested, or both
+    /// are faces of bodies, which are not tested at all.
+    #[inline(always)]
+    pub(crate) fn is_left_out(&self, places: [u32; 2]) -> bool {
+        if places.iter().all(|place| self.bodies.contains(place)) {
+            return true;
+        }
+        let [a, b] = places.map(|place| self.corners(place));
+        self.adjacency.has_hubs() && a.iter().any(|corner| b.contains(corner))
+    }
+}
+
+/// The places of the faces of bodies, in an order in which these stand side by side.
+fn body_places(mesh: &Mesh, order: &[FaceId]) -> Range<u32> {
+    let count = |faces: &[FaceId]| u32::try_from(faces.len()).expect("no more faces than ids");
+    let is_body = |face: &FaceId| mesh.is_body_face(*face);
+    let first = order.iter().position(is_body).unwrap_or(order.len());
+    let num_bodies = order[first..].iter().take_while(|face| is_body(face)).count();
+    count(&order[..first])..count(&order[..first + num_bodies])
 }

@@ -18,10 +18,10 @@ impl Bvh {
     /// have [`FAR_ROUNDING`] beside it.
     pub(crate) fn margin_f32(&self, margin_m: f64) -> f32 {
         #[expect(clippy::cast_possible_truncation, reason = "more than the rounding is added")]
-        let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
+        let margin = (margin_m * self.scale() * (1.0 + 1e-6) + 1e-6) as f32;
         if margin < 0.25 * f32::MAX {
             margin
-        } else if self.has_far {
+        } else if self.has_far() {
             // Far coordinates end where single precision does, as grown boxes do: with this all of them overlap.
             f32::INFINITY
         } else {
@@ -80,10 +80,17 @@ impl Bvh {
 
     /// Starts a traversal from the root: puts pairs of subtrees on the list that can be traversed independently, nodes
     /// of the topmost level with at least `min_nodes` whose boxes come within a [margin](Self::margin_f32).
-    pub(crate) fn near_subtrees(&self, margin: f32, min_nodes: usize, pairs: &mut Vec<NodePair>) {
+    pub(crate) fn near_subtrees(
+        &self,
+        margin: f32,
+        min_nodes: usize,
+        stack: &mut Vec<NodePair>,
+        pairs: &mut Vec<NodePair>,
+    ) {
         pairs.clear();
         let end_level = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= min_nodes).unwrap_or(0);
-        let mut stack: Vec<NodePair> = self.root_pair().into_iter().collect();
+        stack.clear();
+        stack.extend(self.root_pair());
         while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
             if level <= end_level {
                 pairs.push(pair);
@@ -92,7 +99,7 @@ impl Bvh {
                 if a == b {
                     children &= ABOVE_DIAGONAL | DIAGONAL;
                 }
-                push_children(pair, children, &mut stack);
+                push_children(pair, children, stack);
             }
         }
     }
@@ -104,7 +111,7 @@ impl Bvh {
         let NodePair { level, nodes: [a, b] } = pair;
         let boxes = &self.levels[level];
         let first = &boxes[a as usize];
-        let inflated = if self.has_far { first.inflated_far(margin) } else { first.inflated(margin) };
+        let inflated = if self.has_far() { first.inflated_far(margin) } else { first.inflated(margin) };
         inflated.overlap_mask_x8(simd, &boxes[b as usize])
     }
 

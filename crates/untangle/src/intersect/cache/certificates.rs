@@ -7,7 +7,7 @@ use super::{
     displacements::{Displacements, ROUNDING},
 };
 use crate::{
-    frame::Frame,
+    frame::{BodyVersion, Frame},
     intersect::{
         bvh::{Bvh, WIDTH},
         filter::OneRings,
@@ -60,6 +60,8 @@ pub(in crate::intersect) struct CertificateCache {
     leaf_clocks: Clocks,
     star_clocks: Clocks,
     previous: Vec<Point3<f64>>,
+    /// Where bodies were then.
+    body: BodyVersion,
     displacements: Displacements,
     /// Leaves without a certificate were further apart than this, in metres, when all clocks stood at zero; zero if
     /// nothing is cached.
@@ -122,6 +124,7 @@ impl CertificateCache {
     /// Advances the clocks to the next frame and says how to search it.
     pub(in crate::intersect) fn advance(&mut self, mesh: &Mesh, frame: &Frame) -> Mode {
         let positions = frame.positions();
+        let are_bodies_still = frame.body_version().is_still(std::mem::replace(&mut self.body, frame.body_version()));
         if self.previous.len() != positions.len() {
             self.previous.clear();
             self.previous.extend_from_slice(positions);
@@ -129,7 +132,7 @@ impl CertificateCache {
             self.margin_m = 0.0;
             return Mode::Cold;
         }
-        let longest = self.displacements.measure(mesh, &mut self.previous, positions);
+        let longest = self.displacements.measure(mesh, &mut self.previous, positions, are_bodies_still);
         if self.margin_m > 0.0 {
             self.leaf_clocks.advance(&self.displacements);
             self.star_clocks.advance(&self.displacements);

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::displacements::{Displacements, MIN_VERTICES_PER_TASK, ROUNDING};
-use crate::mesh::{Mesh, VertexId};
+use super::displacements::{Displacements, ROUNDING};
+use crate::mesh::{Mesh, VERTICES_PER_BLOCK, VertexId};
 
 /// Sets of vertices, each with a clock that shows an upper bound of the distance that any of its vertices has moved, in
 /// metres.
@@ -39,7 +39,7 @@ impl Clocks {
     pub(super) fn advance(&mut self, displacements: &Displacements) {
         let (offsets, vertices, are_bodies) = (&self.offsets, &self.vertices, &self.are_bodies);
         let are_bodies_still = displacements.are_bodies_still();
-        self.times_m.par_iter_mut().with_min_len(MIN_VERTICES_PER_TASK / 8).enumerate().for_each(|(set, time_m)| {
+        self.times_m.par_iter_mut().with_min_len(VERTICES_PER_BLOCK / 8).enumerate().for_each(|(set, time_m)| {
             if are_bodies_still && are_bodies[set] {
                 return;
             }

@@ -1,13 +1,10 @@
 //! How far vertices moved since the last frame, except for a translation that all share. Bodies that stay share none,
-//! and cost no more than a look at whether they do.
+//! and are not looked at.
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use crate::mesh::{Mesh, VertexId};
-
-/// Least number of vertices that one thread takes at a time.
-pub(super) const MIN_VERTICES_PER_TASK: usize = 1024;
+use crate::mesh::{Mesh, VERTICES_PER_BLOCK};
 
 /// More than the relative rounding of the three or four operations after which it is applied.
 pub(super) const ROUNDING: f64 = 1e-15;
@@ -46,19 +43,26 @@ impl Displacements {
     }
 
     /// Measures displacements from `previous`, which becomes a copy of `positions`; an upper bound of the longest, in
-    /// metres.
+    /// metres. Blocks of vertices of bodies that are still are passed over: there the two are the same.
     ///
     /// Cost: linear in the vertices, in parallel.
-    pub(super) fn measure(&mut self, mesh: &Mesh, previous: &mut [Point3<f64>], positions: &[Point3<f64>]) -> f64 {
-        let are_bodies_still = are_bodies_still(mesh, previous, positions);
-        self.are_bodies_still = are_bodies_still;
+    pub(super) fn measure(
+        &mut self,
+        mesh: &Mesh,
+        previous: &mut [Point3<f64>],
+        positions: &[Point3<f64>],
+        are_bodies_still: bool,
+    ) -> f64 {
+        let were_bodies_still = std::mem::replace(&mut self.are_bodies_still, are_bodies_still);
         let translation = if are_bodies_still { Vector3::zeros() } else { mean_displacement(previous, positions) };
-        let squares = self.squares.par_chunks_mut(MIN_VERTICES_PER_TASK);
-        let previous = previous.par_chunks_mut(MIN_VERTICES_PER_TASK);
-        let chunks = squares.zip(previous).zip(positions.par_chunks(MIN_VERTICES_PER_TASK));
-        let of_chunks = chunks.enumerate().map(|(chunk, ((squares, previous), positions))| {
-            if are_bodies_still && of_chunk(chunk, squares.len()).all(|vertex| mesh.is_body(vertex)) {
-                squares.fill(0.0);
+        let squares = self.squares.par_chunks_mut(VERTICES_PER_BLOCK);
+        let previous = previous.par_chunks_mut(VERTICES_PER_BLOCK);
+        let chunks = squares.zip(previous).zip(positions.par_chunks(VERTICES_PER_BLOCK));
+        let of_chunks = chunks.enumerate().map(|(block, ((squares, previous), positions))| {
+            if are_bodies_still && mesh.is_body_block(block) {
+                if !were_bodies_still {
+                    squares.fill(0.0);
+                }
                 return (0.0, 0.0);
             }
             let (mut longest, mut longest_total) = (0.0, 0.0);
@@ -77,24 +81,6 @@ impl Displacements {
         self.longest_total_m = longest_total;
         self.bound_m(longest)
     }
-}
-
-/// The vertices of a chunk.
-fn of_chunk(chunk: usize, length: usize) -> impl Iterator<Item = VertexId> {
-    let first = chunk * MIN_VERTICES_PER_TASK;
-    (first..first + length).map(VertexId::from_index)
-}
-
-/// Whether there are bodies, and all of their vertices are where they were.
-fn are_bodies_still(mesh: &Mesh, previous: &[Point3<f64>], positions: &[Point3<f64>]) -> bool {
-    let chunks = previous.par_chunks(MIN_VERTICES_PER_TASK).zip(positions.par_chunks(MIN_VERTICES_PER_TASK));
-    mesh.has_body()
-        && chunks.enumerate().all(|(chunk, (previous, positions))| {
-            let places = previous.iter().zip(positions);
-            of_chunk(chunk, previous.len())
-                .zip(places)
-                .all(|(vertex, (before, now))| before == now || !mesh.is_body(vertex))
-        })
 }
 
 /// Of some 512 vertices: any translation is right, and that of some is close to the best one.

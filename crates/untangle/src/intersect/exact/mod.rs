@@ -23,4 +23,3 @@ pub(crate) use disjoint::contact_of_disjoint;
 pub(crate) use locate::locate;
 pub(crate) use one_vertex::VertexStar;
 pub use pair::do_intersect;
-pub(crate) use pair::is_left_out;

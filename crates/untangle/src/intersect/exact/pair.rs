@@ -23,12 +23,6 @@ pub fn do_intersect(mesh: &Mesh, frame: &Frame, faces: [FaceId; 2]) -> bool {
     !are_separated(&a, &b) && contact_of_disjoint(mesh, frame, faces).is_some()
 }
 
-/// Whether the search through pairs of boxes leaves two faces out: they have a vertex in common, round which they are
-/// tested, or both are faces of bodies, which are not tested at all.
-pub(crate) fn is_left_out(mesh: &Mesh, faces: [FaceId; 2]) -> bool {
-    faces.iter().all(|&face| mesh.is_body_face(face)) || common_vertex(mesh, faces).is_some()
-}
-
 /// The first vertex that two faces have in common.
 fn common_vertex(mesh: &Mesh, [a, b]: [FaceId; 2]) -> Option<VertexId> {
     let others = mesh.face(b);

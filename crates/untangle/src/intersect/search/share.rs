@@ -4,7 +4,7 @@ use crate::{
     frame::Frame,
     intersect::{
         bvh::{Bvh, NodePair},
-        exact::{Contact, VertexStar, contact_of_disjoint, is_left_out},
+        exact::{Contact, VertexStar, contact_of_disjoint},
         filter::{ALL_X4, OneRings, Triangle, TrianglesX4, VertexStarFilter, set_pair},
     },
     mesh::{FaceId, Mesh},
@@ -78,10 +78,10 @@ impl<K> Search<'_, K> {
     /// Tests a pair of faces exactly, unless they share a vertex or are faces of bodies.
     #[inline(always)]
     pub(in crate::intersect) fn test(&mut self, places: [u32; 2]) {
-        let [a, b] = [self.bvh.face(places[0]), self.bvh.face(places[1])];
-        if self.bvh.may_report_left_out() && is_left_out(self.mesh, [a, b]) {
+        if self.bvh.may_report_left_out() && self.bvh.is_left_out(places) {
             return;
         }
+        let [a, b] = [self.bvh.face(places[0]), self.bvh.face(places[1])];
         self.share.spend(EXACT_TEST);
         if let Some(contact) = contact_of_disjoint(self.mesh, self.frame, [a, b]) {
             self.share.contacts.push((if a < b { [a, b] } else { [b, a] }, contact));

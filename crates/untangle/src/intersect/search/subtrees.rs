@@ -4,7 +4,6 @@ use super::share::{Search, Share};
 use crate::{
     intersect::{
         bvh::{NodePair, WIDTH},
-        exact::is_left_out,
         filter::{TrianglesX4, separated_mask_x4, separated_mask_x8},
     },
     simd::{F64_LANES, InstructionSet, Task},
@@ -62,7 +61,7 @@ impl Search<'_, SubtreePairs<'_>> {
             num_visits += self.bvh.overlapping_faces(simd, stack, [BATCH, BATCH - num_visits], candidates);
         }
         if self.bvh.may_report_left_out() {
-            candidates.retain(|places| !is_left_out(self.mesh, places.map(|place| self.bvh.face(place))));
+            candidates.retain(|&places| !self.bvh.is_left_out(places));
         }
         self.share.spend(2 * num_visits);
     }

@@ -8,6 +8,7 @@
 //! | `coupled` | the displacement of the coupled response, in some steps |
 //! | `values` | what corrections do to vertices, as it will be sent |
 //! | `displaced` | the displacement to the targets, and those of the states that it leads to |
+//! | `kept_apart` | the displacement that keeps a gap, beside that of the paths |
 //! | `proposer` | which displacements are tried for a frame, and what goes out |
 //!
 //! A row uses those above it only.
@@ -15,6 +16,7 @@
 mod coupled;
 mod displaced;
 mod judge;
+mod kept_apart;
 mod line_search;
 mod proposer;
 mod trials;

@@ -8,6 +8,7 @@ use super::{
     coupled::Coupled,
     displaced::Displaced,
     judge::Merits,
+    kept_apart::KeptApart,
     line_search::{LineSearch, Scene, Verdict},
     trials::REACH,
     values::step_of,
@@ -50,6 +51,7 @@ pub(crate) struct Proposer {
     now: Merits,
     methods: Methods,
     forces: StandIn,
+    kept_apart: KeptApart,
 }
 
 impl Proposer {
@@ -65,8 +67,11 @@ impl Proposer {
     /// Where a displacement leaves nothing that intersects, contact has to hold what was won: a host that adds it gets
     /// no mask and no labels there.
     ///
-    /// Cost: nothing where nothing intersects; else that of [`Displaced::find`], and of [`LineSearch::shorten`] where
-    /// something is stopped; for `coupled` that of [`Coupled::find`], which alone allocates once this is warm.
+    /// Then what keeps the gap of the settings is added, where there is one: see [`KeptApart::add`].
+    ///
+    /// Cost: without a gap nothing where nothing intersects; else that of [`Displaced::find`], and of
+    /// [`LineSearch::shorten`] where something is stopped; for `coupled` that of [`Coupled::find`], which alone
+    /// allocates once this is warm.
     pub(crate) fn propose(
         &mut self,
         view: &AnalysedFrame<'_>,
@@ -74,12 +79,12 @@ impl Proposer {
         observer: &mut dyn StageObserver,
     ) {
         let AnalysedFrame { mesh, frame, analysis, settings, is_single, is_displaced } = *view;
-        if analysis.paths.copies.is_empty() {
+        if analysis.paths.copies.is_empty() && settings.gap_m().is_none() {
             return;
         }
         self.islands.find(mesh, analysis, &[], REACH);
         self.now.measure(mesh, frame, &analysis.intersections, &self.islands);
-        let Self { islands, now, methods, forces } = self;
+        let Self { islands, now, methods, forces, kept_apart } = self;
         let scene = Scene {
             mesh,
             frame,
@@ -90,17 +95,22 @@ impl Proposer {
         };
         let observer = RefCell::new(observer);
         let should_stop = || observer.borrow_mut().is_spent();
-        let verdict = methods.find(view, &scene, responder, &should_stop);
-        if verdict == Verdict::Unjudged {
-            responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
-            return;
-        }
-        let stood_in = !should_stop() && forces.stand_in(view, &scene, methods, responder, &should_stop);
-        if !stood_in && verdict == Verdict::Shortened {
-            let (domain, displacement) = methods.found();
-            responder.displace(mesh, domain.vertices(), displacement);
-        }
-        if is_displaced {
+        let is_judged = !analysis.paths.copies.is_empty() && {
+            let verdict = methods.find(view, &scene, responder, &should_stop);
+            if verdict == Verdict::Unjudged {
+                responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
+                return;
+            }
+            let stood_in = !should_stop() && forces.stand_in(view, &scene, methods, responder, &should_stop);
+            if !stood_in && verdict == Verdict::Shortened {
+                let (domain, displacement) = methods.found();
+                responder.displace(mesh, domain.vertices(), displacement);
+            }
+            true
+        };
+        // Before the mask is taken away: it tells what is tangled.
+        kept_apart.add(&scene, settings, responder, &should_stop);
+        if is_judged && is_displaced {
             responder.unmask(|vertex| methods.line_search.is_cleared(islands, vertex));
         }
     }

@@ -1,5 +1,7 @@
 //! Corrections of whole scenes: two sheets that pass through each other.
 
+mod gap;
+
 use std::sync::Arc;
 
 use nalgebra::Vector3;
