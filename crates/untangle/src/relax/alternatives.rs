@@ -1,7 +1,7 @@
 //! Other attempts from the input, where the first one ended far from it: of all ends the one that costs least is kept.
 //!
-//! Which of several motions an attempt takes hangs on the last bits of the input where they are about as good. The
-//! least of several attempts, each of which goes in another way, does so far less.
+//! Which of several motions an attempt takes is chance where they are about as good. With the least of several attempts,
+//! each of which goes in another way, it is far less so.
 
 use std::ops::ControlFlow;
 

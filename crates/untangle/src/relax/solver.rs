@@ -1,13 +1,11 @@
 //! The whole relaxation: one plan after the other until one ends clean, then shape recovery.
 
-use nalgebra::Point3;
-
 use super::{
     alternatives::{are_allowed, is_far, take_least},
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
-    outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
+    outcome::{BestState, End, RelaxError, Solution},
     plan::{Largest, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths},
     relaxer::{Progress, Relaxer},
     resolve::resolve,
@@ -26,17 +24,17 @@ use crate::{
 /// A tangle of less than this part of another is far less.
 const FAR_LESS: f64 = 0.1;
 
-/// See [`relax`](super::relax).
-pub(super) fn run(
+/// The best state that is found from an input, its shape recovered.
+pub(super) fn solve(
     mesh: &Mesh,
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
     progress: &mut Progress<'_>,
     should_stop: &ShouldStop<'_>,
-) -> Result<Relaxation, RelaxError> {
+) -> Result<Solution, RelaxError> {
     let mut relaxer = Relaxer::new(mesh, positions, settings, should_stop)?;
     let input = relaxer.frame.positions().to_vec();
-    let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
+    let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
     let (mut end, is_first) = attempts(&mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck {
@@ -50,15 +48,9 @@ pub(super) fn run(
             take_least(&mut relaxer, largest, true)?;
             interrupted = should_stop();
         }
-        relaxer.analyse();
     }
-    let blocked = blocked_paths(mesh, &relaxer.final_paths(), end, largest.is_crowded());
-    let restored = |(point, (before, given)): (&Point3<f64>, (&Point3<f64>, &[f64; 3]))| {
-        // A frame takes the smallest values as zero.
-        if point == before { *given } else { (*point).into() }
-    };
-    let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
-    Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
+    let positions = relaxer.frame.positions().to_vec();
+    Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
 }
 
 /// The first attempt, and the others where that leaves little. How it ended, and whether clean at the first.
