@@ -1,6 +1,5 @@
 # code crates/untangle/src/intersect/bvh/within_margin.rs
 #   let margin = (margin_m * self.scale * (1.0 + 1e-6) + 1e-6) as f32;
-#   let grown = |value: f32| margin + rounding * value.abs();
 #   f64::from(margin) - f64::from(largest) * 4e-7 - 1e-37
 # code crates/untangle/src/intersect/bvh/aabb.rs
 #   pub(crate) const FAR_ROUNDING: f32 = 4.0 * f32::EPSILON;

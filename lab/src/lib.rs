@@ -4,8 +4,10 @@
 
 pub mod clock;
 pub mod daemon;
+pub mod gallery;
 pub mod host;
 pub mod names;
+pub mod simulated_shot;
 pub mod states;
 pub mod table;
 

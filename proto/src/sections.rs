@@ -36,6 +36,8 @@ pub mod id {
     pub const NAME: u32 = 12;
     /// Where the part of a mesh begins that an observer asks for, in bytes, one `u64`; 0 without it.
     pub const FROM: u32 = 13;
+    /// For an observer: for each face 1 where its normal points outwards of its layer, else 0; `num_faces` bytes.
+    pub const OUTWARDS: u32 = 14;
 }
 
 const ENTRY_BYTES: usize = 24;

@@ -49,7 +49,7 @@ fn headers_keep_layout_and_type_name() {
     });
     pin!(ViewHeader, "untangled.v1.ViewHeader", size 384, align 8, {
         correction @ 0, num_frames @ 320, sent_ns @ 328, num_paths @ 336, num_points @ 340, num_entries @ 344,
-        num_positions @ 348, reserved @ 352,
+        num_positions @ 348, num_inside @ 352, num_depths @ 356, reserved @ 360,
     });
     pin!(PathsHeader, "untangled.v1.PathsHeader", size 64, align 8, {
         frame @ 0, num_paths @ 8, num_points @ 12, reserved @ 16,

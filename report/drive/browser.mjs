@@ -1,8 +1,11 @@
-// Headless Chromium. CHROMIUM names the program where it is not where Debian has it.
+// Headless Chromium. CHROMIUM names the program where it is not where Debian has it. PRIORITY is the priority (nice) of
+// its processes, 0 without it; a negative one, which needs the right to it, leaves other programs of a busy machine
+// aside.
 import { existsSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { below, prioritise } from "./processors.mjs";
 
 const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
@@ -19,6 +22,8 @@ export async function launch(own, { width, height }) {
   const browser = await chromium.launch({
     executablePath: program(),
     headless: true,
+    // A busy machine is no error.
+    timeout: 0,
     // WebGL in software, where there is no graphics card; nothing of the browser's own goes out.
     args: [
       "--no-sandbox",
@@ -31,8 +36,11 @@ export async function launch(own, { width, height }) {
       "--disable-sync",
     ],
   });
+  const { PRIORITY } = process.env;
+  if (PRIORITY) for (const id of below(process.pid)) await prioritise(id, Number(PRIORITY));
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
+  tab.setDefaultTimeout(0);
   tab.on("pageerror", (error) => complaints.push(String(error)));
   tab.on("console", (message) => {
     if (message.type() === "error") complaints.push(message.text());
@@ -55,6 +63,13 @@ export async function open(file, size, processorSeconds = () => NaN) {
   await settle(tab);
   const [openMs, openProcessorS] = [performance.now() - start, processorSeconds() - startProcessorS];
   return { browser, tab, complaints, openMs, openProcessorS };
+}
+
+/** Says what went wrong: first, and once more at the end, so that whoever sees a part of the output sees it. */
+export async function failed(step, error, more = async () => "") {
+  const head = `FAILED in ${step}: ${String(error.message).split("\n")[0]}`;
+  console.log(`${head}\n${error.stack}\n${await more().catch(String)}\n${head}`);
+  process.exitCode = 1;
 }
 
 /** Waits until what was asked for is drawn. */

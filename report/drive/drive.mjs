@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
-import { colourOf, countPixels, open, program, reached, settle } from "./browser.mjs";
+import { colourOf, countPixels, failed, open, program, reached, settle } from "./browser.mjs";
 
 const [file, folder] = process.argv.slice(2);
 if (!program()) {
@@ -25,21 +25,19 @@ const shot = async (name) => {
   return png;
 };
 
+let doing = "";
 try {
   await shot("open");
-  await legend();
-  await paths();
-  if (states.length > 1) await slider();
-  if (await tab.locator("#frame").count()) await scrubber();
-  await table();
-  await keyboard();
-  await phone();
-  await print();
+  const isFixed = states.length > 1;
+  const steps = [legend, paths, ...(isFixed ? [slider] : []), ...(data.sequence ? [scrubber] : [])];
+  for (const step of [...steps, table, keyboard, phone, print]) {
+    doing = step.name;
+    await step();
+  }
   assert.deepEqual(complaints, [], "the page complains, or fetches something");
   console.log(JSON.stringify(seen));
 } catch (error) {
-  console.log(`${error.message}\n${error.stack}`);
-  process.exitCode = 1;
+  await failed(doing, error);
 } finally {
   await browser.close();
 }
@@ -113,7 +111,7 @@ async function slider() {
   await tab.keyboard.press("PageDown");
   assert.match(await tab.locator('output[for="slider"]').textContent(), /% of the way/);
   await tab.keyboard.press("End");
-  for (const map of data.sequence ? ["moved"] : ["moved", "stretch"]) {
+  for (const map of ["moved", "stretch"]) {
     await tab.locator("#map").selectOption(map);
     const coloured = await shot(map);
     assert.ok(!coloured.equals(after), `the cloth is coloured by ${map}`);

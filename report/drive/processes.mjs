@@ -16,6 +16,17 @@ export class Processes {
     return spawn(this.untangled, [args[0], "--domain", this.domain, ...args.slice(1)], { stdio });
   }
 
+  /** Those that have ended without being told to, in words. */
+  gone() {
+    const named = [
+      ["untangled watch", this.page],
+      ["the daemon", this.daemon],
+      ...this.hosts.map((host) => ["a host", host]),
+    ];
+    const isGone = ([, one]) => one && (one.exitCode !== null || one.signalCode !== null);
+    return named.filter(isGone).map(([name, one]) => `${name} has ended: ${one.exitCode ?? one.signalCode}`);
+  }
+
   /** The address of the page. */
   async watch() {
     this.page = this.start(["watch"], ["ignore", "pipe", "inherit"]);
@@ -36,7 +47,7 @@ export class Processes {
   /** A host that plays a scene without applying corrections, so that it stays tangled. */
   publish(scene, more = []) {
     const args = ["publish", "--scene", scene, "--no-corrections", "--frames", "1000000", "--clean-frames", "0"];
-    const host = this.start([...args, "--report-every", "0", "--connect-timeout-ms", "60000", ...more], "ignore");
+    const host = this.start([...args, "--report-every", "0", "--connect-timeout-ms", "3600000", ...more], "ignore");
     this.hosts.push(host);
     return host;
   }

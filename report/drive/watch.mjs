@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
-import { colourOf, countPixels, launch, program, reached, settle } from "./browser.mjs";
+import { colourOf, countPixels, failed, launch, program, reached, settle } from "./browser.mjs";
 import { Processes } from "./processes.mjs";
 
 const [untangled, domain, folder] = process.argv.slice(2);
@@ -24,8 +24,10 @@ const status = () => tab.locator(".status").textContent();
 const row = (title, name) =>
   tab.locator("section.table", { hasText: title }).locator("tr", { hasText: name }).first().locator("td").textContent();
 
+let doing = "";
 try {
-  for (const step of [waits, goesLive, pauses, paths, shape, keyboard, phone, second, restart, calm]) {
+  for (const step of [waits, goesLive, pauses, paths, shape, keyboard, phone, second, stopped, restart, calm]) {
+    doing = step.name;
     await step();
     if (folder) await tab.screenshot({ path: join(folder, `${step.name}.png`) });
   }
@@ -35,20 +37,23 @@ try {
   console.log(JSON.stringify(seen));
 } catch (error) {
   if (folder) await tab.screenshot({ path: join(folder, "failed.png"), fullPage: true });
-  console.log(`${error.message}\n${error.stack}\nthe page says: ${await status()}`);
-  process.exitCode = 1;
+  await failed(doing, error, async () => `the page says: ${await status()}; complaints: ${complaints.join("; ")}`);
 } finally {
   await browser.close();
   await processes.end();
 }
 
-/** Waits until something is so. */
+/**
+ * Waits until something is so, however long a busy machine takes for it; what can't come any more, since a process has
+ * ended, is an error at once.
+ */
 async function until(what, isSo) {
-  for (let i = 0; i < 600; i++) {
-    if (await isSo()) return;
+  for (let i = 1; !(await isSo()); i++) {
+    const gone = processes.gone();
+    assert.ok(gone.length === 0, `waiting until ${what}: ${gone.join(", ")}`);
+    if (i % 600 === 0) console.error(`still waiting until ${what}; the page says: ${await status()}`);
     await tab.waitForTimeout(100);
   }
-  assert.fail(`waited for a minute: ${what}`);
 }
 
 /** Without a daemon the page says so. */
@@ -190,6 +195,19 @@ async function second() {
   await tab.locator("#session").selectOption({ index: 1 });
   await until("the second session is shown", async () => (await status()).startsWith("Watching"));
   await until("its frames come", async () => (await data("frame")) > 0 && (await data("frame")) !== before);
+}
+
+/** A daemon that does not answer for a while has no list; when it goes on, so does the session that was chosen. */
+async function stopped() {
+  const chosen = await tab.locator("#session").inputValue();
+  processes.daemon.kill("SIGSTOP");
+  const first = tab.locator("#session option").first();
+  await until("the page has no list of sessions", async () => (await first.textContent()) === "none yet");
+  processes.daemon.kill("SIGCONT");
+  await until("there are two sessions again", async () => (await tab.locator("#session option").count()) === 2);
+  assert.equal(await tab.locator("#session").inputValue(), chosen, "the session that was chosen is shown again");
+  const count = await data("frames");
+  await until("its frames come again", async () => (await data("frames")) > count + 2);
   await tab.locator("#session").selectOption({ index: 0 });
 }
 

@@ -31,6 +31,8 @@ export interface SequenceData {
   /** Differences to the frame before, and of `after` to `before`; low bytes first, then high bytes; compressed. */
   before: string;
   after?: string;
+  /** For each frame the logarithm of the stretch of each vertex in steps of 0.0005; packed in the same way. */
+  stretch?: string;
   frames: { frame: number; line: JsonObject; states: FoundData[] }[];
 }
 

@@ -57,10 +57,11 @@ function vertexWords(page: PageData, maps: ColourMap[], vertex: number): string 
   return `Vertex ${vertex}`;
 }
 
-/** The colour maps of what was done; of a sequence how far vertices moved in a frame. */
+/** The colour maps of what was done; of a sequence those of a frame. */
 function mapsOf(page: PageData, sequence: Sequence | null, frame: number): ColourMap[] {
   if (page.change) return [movedMap(singles(page.change.moved_m)), stretchMap(singles(page.change.stretch))];
-  return sequence && page.states.length > 1 ? [movedMap(sequence.moved(frame))] : [];
+  const stretch = sequence?.stretch(frame);
+  return sequence && stretch ? [movedMap(sequence.moved(frame)), stretchMap(stretch)] : [];
 }
 
 function picture(page: PageData, first: State[], sequence: Sequence | null): HTMLElement {

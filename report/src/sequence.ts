@@ -4,6 +4,8 @@ import { el } from "./dom";
 
 /** Frames in a second, as films have them. */
 const RATE = 24;
+/** Steps of the natural logarithm of a stretch. */
+const STRETCH_STEP = 0.0005;
 
 export class Sequence {
   readonly numFrames: number;
@@ -12,6 +14,7 @@ export class Sequence {
   private constructor(
     private readonly page: PageData,
     streams: Uint16Array[],
+    private readonly stretches: Int16Array | null,
   ) {
     this.numFrames = page.sequence!.frames.length;
     this.streams = streams;
@@ -22,10 +25,11 @@ export class Sequence {
     const size = 3 * page.mesh.num_vertices;
     const before = await unpack(data.before);
     for (let i = size; i < before.length; i++) before[i] = (before[i]! + before[i - size]!) & 0xffff;
-    if (data.after === undefined) return new Sequence(page, [before]);
+    if (data.after === undefined) return new Sequence(page, [before], null);
     const after = await unpack(data.after);
     for (let i = 0; i < after.length; i++) after[i] = (after[i]! + before[i]!) & 0xffff;
-    return new Sequence(page, [before, after]);
+    const stretches = data.stretch === undefined ? null : new Int16Array((await unpack(data.stretch)).buffer);
+    return new Sequence(page, [before, after], stretches);
   }
 
   /** The number that a frame has in the shot. */
@@ -49,6 +53,13 @@ export class Sequence {
     return result;
   }
 
+  /** The stretch of the worst edge of each vertex in a frame, as a ratio; nothing where nothing was repaired. */
+  stretch(frame: number): Float32Array | null {
+    const size = this.page.mesh.num_vertices;
+    const own = this.stretches?.subarray(frame * size, (frame + 1) * size);
+    return own ? Float32Array.from(own, (steps) => Math.exp(STRETCH_STEP * steps)) : null;
+  }
+
   /** How far each vertex moved in a frame, in metres. */
   moved(frame: number): Float32Array {
     const [before, after] = [this.positions(frame, 0), this.positions(frame, this.streams.length - 1)];
@@ -61,6 +72,7 @@ export class Sequence {
   }
 }
 
+/** The numbers of a stream. */
 async function unpack(text: string): Promise<Uint16Array> {
   const packed = new Blob([bytes(text) as BlobPart]).stream().pipeThrough(new DecompressionStream("deflate"));
   const planes = new Uint8Array(await new Response(packed).arrayBuffer());

@@ -57,6 +57,30 @@ function tints(numbers: Uint8Array): Float32Array {
   return colours;
 }
 
+/** Calls `join` for the first of all vertices in one place, and each of the others. */
+function joinPlaces(positions: Float32Array, join: (first: number, other: number) => void) {
+  // Zeros of either sign are one place.
+  const places = positions.map((value) => value + 0);
+  const bits = new Uint32Array(places.buffer);
+  const table = new Int32Array(2 ** Math.ceil(Math.log2(2 * positions.length + 1))).fill(-1);
+  for (let vertex = 0; vertex < positions.length / 3; vertex++) {
+    const [x, y, z] = [bits[3 * vertex]!, bits[3 * vertex + 1]!, bits[3 * vertex + 2]!];
+    let hash = Math.imul(Math.imul(Math.imul(x, 0x9e3779b1) ^ y, 0x85ebca6b) ^ z, 0xc2b2ae35);
+    hash ^= hash >>> 15;
+    for (let slot = hash & (table.length - 1); ; slot = (slot + 1) & (table.length - 1)) {
+      const first = table[slot]!;
+      if (first < 0) {
+        table[slot] = vertex;
+        break;
+      }
+      if (bits[3 * first] === x && bits[3 * first + 1] === y && bits[3 * first + 2] === z) {
+        join(first, vertex);
+        break;
+      }
+    }
+  }
+}
+
 /** For each vertex the number of its piece; vertices in one place are one. */
 function piecesOf(triangles: Uint32Array, positions: Float32Array): Uint32Array {
   const parent = Uint32Array.from({ length: positions.length / 3 }, (_, vertex) => vertex);
@@ -67,13 +91,7 @@ function piecesOf(triangles: Uint32Array, positions: Float32Array): Uint32Array 
   const join = (a: number, b: number) => {
     parent[root(b)] = root(a);
   };
-  const seen = new Map<string, number>();
-  for (let vertex = 0; vertex < parent.length; vertex++) {
-    const place = positions.subarray(3 * vertex, 3 * vertex + 3).join(" ");
-    const first = seen.get(place);
-    if (first === undefined) seen.set(place, vertex);
-    else join(first, vertex);
-  }
+  joinPlaces(positions, join);
   for (let i = 0; i < triangles.length; i += 3) {
     join(triangles[i]!, triangles[i + 1]!);
     join(triangles[i]!, triangles[i + 2]!);

@@ -189,8 +189,8 @@ export class View {
   private resize() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) / this.coarseness);
-    this.renderer.setSize(width, height, false);
+    // In one call: each of another size makes all buffers anew.
+    this.renderer.setDrawingBufferSize(width, height, Math.min(2, window.devicePixelRatio || 1) / this.coarseness);
     this.isSized = true;
     this.orbit.resize(width, height);
     this.render();

@@ -3,6 +3,7 @@
 //! | module | purpose |
 //! |---|---|
 //! | `outcome` | how a command ends, and printing |
+//! | `progress_line` | what is being done, on standard error |
 //! | `wording` | words that reports, tables and pictures share |
 //! | `weld` | `--weld`: which vertices in one place are one vertex |
 //! | `input` | mesh files as one world, for `check` and `fix` |
@@ -32,6 +33,7 @@ mod outcome;
 mod owners;
 mod packaging;
 pub mod picture;
+mod progress_line;
 pub mod roles;
 pub mod sequence;
 mod serve;

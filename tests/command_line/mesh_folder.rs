@@ -24,10 +24,15 @@ pub(crate) fn code(output: &Output) -> i32 {
 }
 
 pub(crate) fn json(output: &Output) -> Value {
-    // A long repair says how far it is.
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(errors.lines().all(|line| line.starts_with("untangled: iteration ")), "{output:?}");
+    assert!(errors.lines().all(is_progress), "{output:?}");
     serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Whether a line on standard error is what a long run says now and then: after how many seconds, and what it does.
+pub(crate) fn is_progress(line: &str) -> bool {
+    let said = line.strip_prefix("untangled: ").and_then(|line| line.split_once(" s: "));
+    said.is_some_and(|(seconds, _)| seconds.parse::<u64>().is_ok())
 }
 
 /// What stands on standard error: one line.

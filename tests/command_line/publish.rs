@@ -4,6 +4,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
+    time::{Duration, Instant},
 };
 
 use clap::CommandFactory;
@@ -117,6 +118,9 @@ fn flags_of_waiting_end_a_step_or_the_program_in_words() {
     let runs = Runs::new();
     let late = runs.run(&["--deadline-ms", "0", "--report-every", "1"]);
     assert!(late.said.contains("no correction within") && late.summary.num_late_frames > 0, "{}", late.said);
+    let begin = Instant::now();
+    runs.run(&["--rate", "4"]);
+    assert!(begin.elapsed() >= Duration::from_millis(500), "two steps, four a second, took {:?}", begin.elapsed());
     let output = publish("nobody-home", &["--connect-timeout-ms", "10"]).output().unwrap();
     let (_, error) = words(&output);
     assert!(output.status.code() == Some(2) && error.contains("nobody-home"), "{error}");

@@ -72,13 +72,20 @@ impl Sheets {
 #[derive(Clone, Copy, Debug)]
 pub struct Fold {
     n: u32,
+    turns: bool,
 }
 
 impl Fold {
     /// A sheet of `2 (n - 1)^2` triangles.
     #[must_use]
     pub const fn new(n: u32) -> Self {
-        Self { n }
+        Self { n, turns: false }
+    }
+
+    /// The same sheet, and it turns about an oblique axis, so that no two coordinates are alike, as in a simulation.
+    #[must_use]
+    pub const fn turning(self) -> Self {
+        Self { turns: true, ..self }
     }
 
     /// A registration with defaults for all else.
@@ -109,9 +116,18 @@ impl Fold {
                 let place = 0.5 + 0.2 * (0.7 * time).sin();
                 let far = ((x - 0.25).powi(2) + (v - place).powi(2)) / 0.004;
                 let bump = if u < 0.5 { 0.0 } else { -0.12 * (-far).exp() };
-                positions.push([x as f32, v as f32, (height + bump + 0.01 * (9.0 * v + time).sin()) as f32]);
+                let position = [x, v, height + bump + 0.01 * (9.0 * v + time).sin()];
+                let position = if self.turns { turned(position, 1.0 + 0.2 * time) } else { position };
+                positions.push(position.map(|coordinate| coordinate as f32));
             }
         }
         positions
     }
+}
+
+/// Turned by an angle about `z`, then about `x`.
+fn turned([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let [x, y] = [cos * x - sin * y, sin * x + cos * y];
+    [x, cos * y - sin * z, sin * y + cos * z]
 }

@@ -7,6 +7,7 @@
 #![allow(clippy::missing_panics_doc, reason = "as above")]
 #![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "positions of test cloths, and times")]
 
+pub mod certificates;
 pub mod cloth;
 pub mod ends;
 pub mod network;

@@ -13,6 +13,10 @@ pub struct Namespaces {
 
 const HOST: &str = "untangled-host";
 
+pub(crate) fn daemon_ip(k: usize) -> String {
+    format!("10.77.{k}.2")
+}
+
 fn daemon_name(k: usize) -> String {
     format!("untangled-daemon-{k}")
 }
@@ -63,7 +67,7 @@ impl Namespaces {
     /// The address of a daemon end.
     #[must_use]
     pub fn address(&self, k: usize) -> String {
-        format!("10.77.{k}.2:7460")
+        format!("{}:7460", daemon_ip(k))
     }
 
     /// A command in the namespace of the host.

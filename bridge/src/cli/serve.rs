@@ -15,11 +15,14 @@ use crate::{
     daemon,
     error::BridgeError,
     host,
-    net::Side,
+    net::{self, Side},
 };
 
 pub(super) fn run(config: &Config, side: Side) -> Result<(), BridgeError> {
     let (options, warnings) = config.options(side)?;
+    if options.network.tls.is_some() {
+        net::begin_with_one_thread()?;
+    }
     let lines = start_log(&config.telemetry)?;
     for warning in warnings {
         tracing::warn!("{warning}");

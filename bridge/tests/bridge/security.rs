@@ -1,71 +1,13 @@
 //! Certificates and access: who may use a daemon end that is open to the network.
 
-use std::{
-    fs,
-    net::SocketAddr,
-    path::{Path, PathBuf},
-    process::Command,
-    time::Duration,
-};
+use std::{fs, net::SocketAddr, path::Path, time::Duration};
 
 use untangled_bridge_lab::{
+    certificates::Authority,
     cloth::Sheets,
     ends::{self, PATIENCE, Process, TestDomain},
 };
 use untangled_client::{Client, ClientOptions, StepTime};
-
-/// An authority and certificates of it, made by `openssl`; nothing where it is not there.
-struct Authority(PathBuf);
-
-impl Authority {
-    fn new(name: &str) -> Option<Self> {
-        let folder = std::env::temp_dir().join(format!("bridge-{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let key = ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2"];
-        let made = Command::new("openssl")
-            .args(key)
-            .args(["-subj", &format!("/CN={name}"), "-keyout", "ca.key", "-out", "ca.pem"])
-            .current_dir(&folder)
-            .output();
-        if made.is_ok_and(|output| output.status.success()) {
-            return Some(Self(folder));
-        }
-        println!("SKIPPED: certificates: there is no openssl on this machine");
-        None
-    }
-
-    /// A configuration of these keys and tables, with a certificate of this name, that trusts an authority.
-    fn config(&self, name: &str, keys: &str, tables: &str, trusts: &Path) -> PathBuf {
-        let [key, request, certificate, names] = ["key", "csr", "pem", "ext"].map(|end| format!("{name}.{end}"));
-        let extensions = "subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth,clientAuth\n";
-        fs::write(self.0.join(&names), extensions).unwrap();
-        let new = "req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes";
-        self.openssl(&format!("{new} -subj /CN={name} -keyout {key} -out {request}"));
-        let by = "-CA ca.pem -CAkey ca.key -CAcreateserial -days 2";
-        self.openssl(&format!("x509 -req -in {request} {by} -extfile {names} -out {certificate}"));
-        let [certificate, key] = [certificate, key].map(|file| self.0.join(file));
-        let tls = [("authority", trusts), ("certificate", &certificate), ("key", &key)];
-        let tls: Vec<String> = tls.iter().map(|(key, path)| format!("{key} = '{}'", path.display())).collect();
-        let path = self.0.join(format!("{name}.toml"));
-        fs::write(&path, format!("{keys}\nname = '{name}'\n[tls]\n{}\n{tables}\n", tls.join("\n"))).unwrap();
-        path
-    }
-
-    fn openssl(&self, arguments: &str) {
-        let output = Command::new("openssl").args(arguments.split(' ')).current_dir(&self.0).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-
-    fn certificate(&self) -> PathBuf {
-        self.0.join("ca.pem")
-    }
-}
-
-impl Drop for Authority {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn start(end: &str, config: &Path, domain: &TestDomain) -> Process {
     Process::start(ends::bridge(&[end, "--config", config.to_str().unwrap(), "--domain", domain.name()]))
@@ -83,7 +25,13 @@ fn hosts_with_a_listed_certificate_are_served_and_all_others_are_not() {
     let address = ends::free_address();
     let own = authority.certificate();
     let far = authority.config("far", &format!("listen = ['{address}']"), "[limits]\nhosts = ['ws1', 'ws2']", &own);
-    let _far = start("daemon", &far, &near_daemon);
+    let far = start("daemon", &far, &near_daemon);
+    assert_eq!(fs::read_to_string(format!("/proc/{}/comm", far.id())).unwrap(), "untangled-bridg\n", "15 characters");
+    // Zenoh's TLS links are sound on one thread only, and only the environment says on how many.
+    let environment = fs::read(format!("/proc/{}/environ", far.id())).unwrap();
+    assert!(
+        String::from_utf8_lossy(&environment).contains("ZENOH_RUNTIME=(rx: (handover: tx), tx: (worker_threads: 1))")
+    );
     let connect = format!("connect = ['{address}']");
     let sheets = Sheets::new(6);
     let mut allowed = Vec::new();

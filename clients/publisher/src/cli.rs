@@ -74,6 +74,9 @@ pub struct PublishArgs {
     /// Most steps to simulate.
     #[arg(long, value_name = "N", default_value_t = 600)]
     pub frames: usize,
+    /// Most steps a second; without it there is no limit.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub rate: Option<f64>,
     /// Stop once so many states in a row are clean; 0 never stops early.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub clean_frames: usize,
@@ -197,6 +200,9 @@ pub fn publish(args: &PublishArgs, out: &mut dyn Write) -> Result<Summary, HostE
         max_frames: args.frames,
         num_clean_frames: args.clean_frames,
         report_every: args.report_every,
+        least_step: args
+            .rate
+            .map_or(Duration::ZERO, |hz| Duration::try_from_secs_f64(1.0 / hz).unwrap_or(Duration::MAX)),
         brief: args.brief,
         kind: args.correction_kind(),
     };

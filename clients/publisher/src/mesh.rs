@@ -17,7 +17,7 @@ pub struct Cloth {
     pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates with indices of their own, if there are any.
     pub uvs: Option<Uvs>,
-    /// Vertices that never move.
+    /// Vertices that no force moves.
     pub pins: Vec<u32>,
     /// Whether hinges are flat at rest (generated scenes), or have the angle of the rest shape (files).
     pub flat_hinges: bool,

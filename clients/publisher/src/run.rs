@@ -1,6 +1,9 @@
 //! A run: steps until the cloth is clean, or a number of steps.
 
-use std::io::Write;
+use std::{
+    io::Write,
+    time::{Duration, Instant},
+};
 
 use untangled_checker::{edge_face_hits, face_pairs};
 
@@ -20,6 +23,8 @@ pub struct RunOptions {
     pub num_clean_frames: usize,
     /// A line is written every so many frames, and at the end; never for zero.
     pub report_every: usize,
+    /// Shortest time from one step to the next.
+    pub least_step: Duration,
     /// Whether lines are short, and become rarer: after one, four, sixteen times `report_every` frames, and so on.
     pub brief: bool,
     /// Unit of the values in the lines.
@@ -51,6 +56,7 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
     let (mut num_late_frames, mut num_repaired_frames) = (0, 0);
     let mut frame = 0;
     loop {
+        let begin = Instant::now();
         let report = host.exchange()?;
         num_late_frames += usize::from(report.header.is_none());
         num_repaired_frames += usize::from(report.repaired.is_some());
@@ -68,6 +74,7 @@ pub fn run(host: &mut Host, options: RunOptions, out: &mut dyn Write) -> Result<
             break;
         }
         host.advance();
+        std::thread::sleep(options.least_step.saturating_sub(begin.elapsed()));
         frame += 1;
     }
     let (num_edge_face_after, num_face_pairs_after) = judge(host.solver().cloth())?;
@@ -99,6 +106,7 @@ mod tests {
             max_frames: 300,
             num_clean_frames: 0,
             report_every: 10,
+            least_step: Duration::ZERO,
             brief: true,
             kind: CorrectionKind::Force,
         };

@@ -25,6 +25,7 @@ def test_observers_see_what_the_host_sent_and_got(sheets, domain):
             assert observer.latest() is None
             mesh = observer.mesh
             assert (mesh.num_vertices, mesh.pins.tolist(), mesh.body.tolist(), mesh.layers) == (800, [3], [], None)
+            assert mesh.outwards is None
             assert (mesh.triangles == sheets.triangles).all() and mesh.correction == "force" and not mesh.double
             for frame in range(1, 4):
                 correction = session.exchange(sheets.vertices + np.float32(frame), dt=0.01, deadline=DEADLINE)
@@ -37,6 +38,8 @@ def test_observers_see_what_the_host_sent_and_got(sheets, domain):
                     assert (seen.paths.records[:, :7] == correction.paths.records[:, :7]).all()
                     assert {path.state for path in seen.paths} == {"region"}
                     assert {path.state for path in correction.paths} == {"unknown"}
+                    assert (np.unique(seen.inside[:, 0]) == np.flatnonzero(seen.flags & untangled.INSIDE)).all()
+                    assert len(seen.depths) == seen.paths.records[:, 0].max() + 1 and seen.depths.max() > 0
                     assert seen.refused is None and 0 <= seen.age < DEADLINE
                     header = {name: seen.summary[name] for name in correction.summary}
                     assert header == correction.summary

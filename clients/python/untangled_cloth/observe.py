@@ -50,6 +50,8 @@ class ObservedMesh(NamedTuple):
     """Vertices that the host does not let move, ascending."""
     layers: Optional[NDArray[np.uint32]]
     """Layer of each vertex, from the body outwards; None where the host said nothing of layers."""
+    outwards: Optional[NDArray[np.bool_]]
+    """For each face whether its normal points outwards of its layer, where rest positions decided that; else None."""
     double: bool
     """Whether the session's positions are in double precision; those of observations are single."""
     correction: str
@@ -67,6 +69,11 @@ class Observation:
         """Values of all vertices, `num_vertices x 3`, in the unit of `kind`."""
         self.flags: NDArray[np.uint32] = np.asarray(native.flags())
         """Flags of all vertices, `num_vertices`: `untangled_cloth.INSIDE` and so on."""
+        self.inside: NDArray[np.uint32] = np.asarray(native.inside())
+        """Vertices inside and the pair of paths that each is inside of, `num_inside x 2`; some may be in several."""
+        self.depths: NDArray[np.float32] = np.asarray(native.depths())
+        """For each pair of paths how far the farthest point inside is from where it should be, in metres; 0 where there
+        is no such place: nothing is inside, or the response seeks no targets."""
         self.paths = Paths(*(np.asarray(part) for part in native.paths()))
         """The intersection paths; `state` of each says what became of it."""
 
@@ -145,6 +152,7 @@ class Observer:
             body=numbers(mesh["body"]),
             pins=numbers(mesh["pins"]),
             layers=None if mesh["layers"] is None else numbers(mesh["layers"]),
+            outwards=None if mesh["outwards"] is None else np.frombuffer(mesh["outwards"], np.bool_),
             double=mesh["double"],
             correction=mesh["correction"],
         )

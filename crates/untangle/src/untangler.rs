@@ -24,6 +24,7 @@ pub struct Untangler {
     responder: Responder,
     proposer: Proposer,
     is_single_precision: bool,
+    is_displaced: bool,
 }
 
 /// The answer to one frame.
@@ -54,6 +55,7 @@ impl Untangler {
             responder: Responder::default(),
             proposer: Proposer::default(),
             is_single_precision: false,
+            is_displaced: true,
         })
     }
 
@@ -102,6 +104,20 @@ impl Untangler {
         self.is_single_precision
     }
 
+    /// Says whether the host adds the values of the responses `displacement` and `coupled` to its positions before its
+    /// next step, from the next frame on; it does at first. Where it does, and nothing intersects there any more, it
+    /// gets neither mask nor labels, so that its contact holds what was won; a host that takes forces or velocities
+    /// instead has to get there first.
+    pub fn set_displaced(&mut self, is_displaced: bool) {
+        self.is_displaced = is_displaced;
+    }
+
+    /// Whether the host adds displacements to its positions.
+    #[must_use]
+    pub fn is_displaced(&self) -> bool {
+        self.is_displaced
+    }
+
     /// Analyses one frame and computes its corrections.
     pub fn process(&mut self, frame: &Frame, observer: &mut dyn StageObserver) -> Outcome<'_> {
         self.analyser.analyse(&self.mesh, frame, &self.settings, observer);
@@ -109,8 +125,9 @@ impl Untangler {
         self.responder.respond(&self.mesh, frame, analysis, &self.settings, observer);
         if matches!(self.settings.response, Response::Displacement | Response::Coupled) {
             observer.begin(Stage::Respond);
-            let Self { mesh, settings, is_single_precision: is_single, .. } = self;
-            let view = AnalysedFrame { mesh, frame, analysis, settings, is_single: *is_single };
+            let Self { mesh, settings, is_single_precision: is_single, is_displaced, .. } = self;
+            let (is_single, is_displaced) = (*is_single, *is_displaced);
+            let view = AnalysedFrame { mesh, frame, analysis, settings, is_single, is_displaced };
             self.proposer.propose(&view, &mut self.responder, observer);
             observer.end();
         }

@@ -2,6 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin outfits_table -- [POSES] > docs/results/outfits.md
+//! cargo run --release -p untangled-lab --bin outfits_table -- write FOLDER    # the first pose as OBJ files
 //! ```
 //!
 //! POSES (all) are so many of the poses. Everything is judged by the checker, whose code the repair has no part in. The
@@ -11,6 +12,7 @@
 
 use std::{
     ops::ControlFlow,
+    path::Path,
     time::{Duration, Instant},
 };
 
@@ -29,7 +31,8 @@ use untangled_lab::{
     table::{print_header, print_text},
 };
 use untangled_testkit::{
-    generate::outfits::{Outfit, Pose},
+    files::formats::obj,
+    generate::outfits::{GARMENTS, Outfit, Pose},
     process::{Programs, STEP, TestDomain},
 };
 
@@ -49,10 +52,25 @@ fn main() -> Result<(), Failure> {
         serve(domain);
         return Ok(());
     }
+    if let [_, role, folder] = &arguments[..]
+        && role == "write"
+    {
+        return write_files(Path::new(folder));
+    }
     let num_poses = arguments.get(1).map_or(Ok(Pose::ALL.len()), |count| count.parse())?;
     let poses = &Pose::ALL[..num_poses.min(Pose::ALL.len())];
     print_still(poses)?;
     print_animated(poses)
+}
+
+/// Writes the body and the garments in the first pose, each as a file.
+fn write_files(folder: &Path) -> Result<(), Failure> {
+    let outfit = Outfit::new(Pose::ALL[0], RESOLUTIONS[1]);
+    std::fs::create_dir_all(folder)?;
+    for (name, sheet) in GARMENTS.into_iter().zip(&outfit.layers).chain([("body", &outfit.body)]) {
+        std::fs::write(folder.join(name).with_extension("obj"), obj(sheet, false))?;
+    }
+    Ok(())
 }
 
 fn print_still(poses: &[Pose]) -> Result<(), Failure> {

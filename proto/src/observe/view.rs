@@ -2,7 +2,8 @@
 //!
 //! The payload is bytes without gaps: [`ViewHeader::num_paths`] records and [`ViewHeader::num_points`] points as in
 //! [`paths`](super::paths), then [`ViewHeader::num_entries`] entries of 20 bytes as in a sparse correction, then
-//! [`ViewHeader::num_positions`] positions of three `f32` in metres.
+//! [`ViewHeader::num_positions`] positions of three `f32` in metres, then [`ViewHeader::num_inside`] vertices inside
+//! with their pairs, then [`ViewHeader::num_depths`] depths of pairs.
 
 use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
@@ -29,8 +30,30 @@ pub struct ViewHeader {
     pub num_entries: u32,
     /// Number of positions: that of the vertices, or 0 where the positions of the frame can't be used.
     pub num_positions: u32,
+    /// Number of vertices inside, each as often as there are pairs of paths that it is inside of.
+    pub num_inside: u32,
+    /// Number of depths: that of the pairs, or 0.
+    pub num_depths: u32,
     /// Zero.
-    pub reserved: [u64; 4],
+    pub reserved: [u64; 3],
+}
+
+/// A vertex inside of a pair of paths; little-endian, 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct InsideEntry {
+    /// Index of the vertex.
+    pub vertex: u32,
+    /// The pair, as in [`PathRecord::pair`].
+    pub pair: u32,
+}
+
+impl InsideEntry {
+    /// The bytes on the wire.
+    #[must_use]
+    pub fn to_bytes(self) -> [u8; 8] {
+        (u64::from(self.pair) << 32 | u64::from(self.vertex)).to_le_bytes()
+    }
 }
 
 /// What became of a path in its frame: values of [`PathRecord::state`] in a view.
@@ -52,6 +75,8 @@ pub mod path_state {
 pub const ENTRY_BYTES: usize = 20;
 /// Bytes of a position.
 pub const POSITION_BYTES: usize = 12;
+/// Bytes of a depth.
+pub const DEPTH_BYTES: usize = 4;
 
 /// The parts of a payload, each of elements that lie one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +85,8 @@ pub struct ViewParts<'a> {
     points: &'a [u8],
     entries: &'a [u8],
     positions: &'a [u8],
+    inside: &'a [u8],
+    depths: &'a [u8],
 }
 
 impl ViewHeader {
@@ -71,15 +98,17 @@ impl ViewHeader {
             (self.num_points, size_of::<PathPoint>()),
             (self.num_entries, ENTRY_BYTES),
             (self.num_positions, POSITION_BYTES),
+            (self.num_inside, size_of::<InsideEntry>()),
+            (self.num_depths, DEPTH_BYTES),
         ];
         let mut rest = payload;
-        let mut found = [&payload[..0]; 4];
+        let mut found = [&payload[..0]; 6];
         for ((count, bytes), part) in parts.into_iter().zip(&mut found) {
             let length = usize::try_from(count).ok()?.checked_mul(bytes)?;
             (*part, rest) = rest.split_at_checked(length)?;
         }
-        let [records, points, entries, positions] = found;
-        rest.is_empty().then_some(ViewParts { records, points, entries, positions })
+        let [records, points, entries, positions, inside, depths] = found;
+        rest.is_empty().then_some(ViewParts { records, points, entries, positions, inside, depths })
     }
 }
 
@@ -112,6 +141,20 @@ impl<'a> ViewParts<'a> {
     pub fn positions(self) -> impl ExactSizeIterator<Item = [f32; 3]> + 'a {
         elements(self.positions, |words| words.map(f32::from_le_bytes))
     }
+
+    /// The vertices inside, by pair.
+    pub fn inside(self) -> impl ExactSizeIterator<Item = InsideEntry> + 'a {
+        elements(self.inside, |words| {
+            let [vertex, pair] = words.map(u32::from_le_bytes);
+            InsideEntry { vertex, pair }
+        })
+    }
+
+    /// For each pair how far the farthest point inside is from where it should be, in metres; 0 where nothing inside
+    /// has such a place.
+    pub fn depths(self) -> impl ExactSizeIterator<Item = f32> + 'a {
+        elements(self.depths, |[depth]| f32::from_le_bytes(depth))
+    }
 }
 
 /// Elements of `N` words each.
@@ -136,17 +179,31 @@ mod tests {
         let mut payload = [record.to_bytes(), point.to_bytes()].concat();
         payload.extend(entry.to_words().iter().flat_map(|word| word.to_le_bytes()));
         payload.extend(position.iter().flat_map(|value| value.to_le_bytes()));
-        let header =
-            ViewHeader { num_paths: 1, num_points: 1, num_entries: 1, num_positions: 1, ..ViewHeader::default() };
+        let inside = [InsideEntry { vertex: 5, pair: 7 }, InsideEntry { vertex: u32::MAX, pair: 1 }];
+        payload.extend(inside.map(InsideEntry::to_bytes).as_flattened());
+        payload.extend(0.125f32.to_le_bytes());
+        let header = ViewHeader {
+            num_paths: 1,
+            num_points: 1,
+            num_entries: 1,
+            num_positions: 1,
+            num_inside: 2,
+            num_depths: 1,
+            ..ViewHeader::default()
+        };
         let parts = header.split(&payload).unwrap();
         assert_eq!(parts.records().collect::<Vec<_>>(), [record]);
         assert_eq!(parts.points().collect::<Vec<_>>(), [point]);
         assert_eq!(parts.entries().collect::<Vec<_>>(), [entry]);
         assert_eq!(parts.positions().collect::<Vec<_>>(), [position]);
+        assert_eq!(parts.inside().collect::<Vec<_>>(), inside);
+        assert_eq!(parts.depths().collect::<Vec<_>>(), [0.125]);
         assert_eq!(header.split(&payload[1..]), None);
         for lie in [
             ViewHeader { num_positions: 2, ..header },
             ViewHeader { num_entries: 0, ..header },
+            ViewHeader { num_inside: 3, ..header },
+            ViewHeader { num_depths: 0, ..header },
             ViewHeader { num_points: u32::MAX, ..header },
         ] {
             assert_eq!(lie.split(&payload), None);

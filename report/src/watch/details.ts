@@ -147,6 +147,10 @@ export function numbers(frame: FrameMessage): HTMLElement {
       words.charAt(0).toUpperCase() + words.slice(1),
       digits(frame.counts[name] ?? 0),
     ]),
+    ...(frame.wrong ?? []).map(({ kind, num_vertices, depth_m }): [string, string] => [
+      kind === "body" ? "Vertices inside of a body" : "Vertices behind an inner layer",
+      `${digits(num_vertices)}${num_vertices > 0 ? `, up to ${metres(depth_m)} deep` : ""}`,
+    ]),
     ["Edge-face intersections", digits(frame.counts["num_edge_face_intersections"] ?? 0)],
     ["Frames that newer ones overtook in the daemon", digits(frame.counts["num_skipped_frames"] ?? 0)],
     ["Contour length", metres(frame.contour_length_m)],

@@ -71,8 +71,9 @@ export class Feed {
       if (!answer.ok) throw new Error(await answer.text());
       const sessions = (await answer.json()) as Sessions;
       this.lines = sessions.sessions;
-      // One that has ended makes room for the first that is there.
-      if (!this.lines.some(({ session }) => session === this.chosen)) this.chosen = this.lines[0]?.session ?? null;
+      // One that has ended makes room for the first that is there; without an answer it may be there still.
+      const isThere = this.lines.some(({ session }) => session === this.chosen);
+      if (!isThere && this.lines.length > 0) this.chosen = this.lines[0]!.session;
       this.listener.sessions(sessions, this.chosen);
       if (sessions.waiting !== null && this.open === null) this.listener.lost(sessions.waiting);
     } catch {

@@ -10,7 +10,7 @@ import { Plots } from "./plots";
 import { Timeline } from "./timeline";
 
 /** Words and lists follow so many times a second: people read no faster. */
-const WORDS_MS = 300;
+const WORDS_MS = 500;
 const LIST_MS = 1000;
 
 const KEYS =
@@ -92,7 +92,7 @@ class Page {
         ...(sessions.length === 0 ? [el("option", { value: "" }, "none yet")] : []),
       );
     }
-    this.sessions.value = chosen ?? "";
+    this.sessions.value = sessions.some(({ session }) => session === chosen) ? chosen! : "";
     if (sessions.length === 0 && this.mesh === null) this.say("No session yet: waiting for a host to register one");
   }
 
@@ -129,7 +129,8 @@ class Page {
   private async show(frame: FrameMessage, isLive: boolean) {
     if (!this.picture) this.open(frame);
     const now = performance.now();
-    if (!isLive || now - this.wordsAt > WORDS_MS) {
+    const isSaid = !isLive || now - this.wordsAt > WORDS_MS;
+    if (isSaid) {
       this.wordsAt = now;
       this.showWords(frame);
     }
@@ -139,7 +140,7 @@ class Page {
       this.chosen.replaceChildren(this.list.details() ?? "");
     }
     document.documentElement.dataset["frame"] = String(frame.frame);
-    await this.picture?.show(frame, this.picked);
+    await this.picture?.show(frame, this.picked, isSaid);
   }
 
   private open(frame: FrameMessage) {
@@ -160,9 +161,12 @@ class Page {
 
   private showWords(frame: FrameMessage) {
     const pairs = frame.counts["num_face_pairs"] ?? 0;
-    const isClean = pairs === 0 && !frame.refused;
+    const onWrongSide = (frame.wrong ?? []).reduce((sum, { num_vertices }) => sum + num_vertices, 0);
+    const isClean = pairs === 0 && onWrongSide === 0 && !frame.refused;
     const rate = (this.shownAt.length / 2).toFixed(0);
-    const found = frame.refused ?? (isClean ? "nothing intersects" : `${counted(pairs, "face pair")} intersect`);
+    const crossing = pairs === 0 ? "nothing intersects" : `${counted(pairs, "face pair")} intersect`;
+    const wrong = `, ${counted(onWrongSide, "vertex", "vertices")} on the wrong side of a body or a layer`;
+    const found = frame.refused ?? `${crossing}${onWrongSide > 0 ? wrong : ""}`;
     const live = this.timeline.isPaused ? "paused" : `${rate} frames a second`;
     this.verdict.className = `verdict ${isClean ? "clean" : "tangled"}`;
     this.verdict.textContent = `${isClean ? "✓" : "✗"} ${found}; ${live}`;

@@ -1,5 +1,5 @@
 // Messages of untangled watch: a JSON document and arrays of numbers. Written by src/cli/watch/message.rs and
-// observed.rs.
+// observed/frame.rs.
 
 /** What does not change from frame to frame. */
 export interface MeshMessage {
@@ -21,6 +21,13 @@ export interface PathMessage {
   reason?: string;
 }
 
+/** Vertices inside of a body, or behind an inner layer, and how deep the deepest is in metres. */
+export interface WrongMessage {
+  kind: "body" | "layer";
+  num_vertices: number;
+  depth_m: number;
+}
+
 /** Numbers of a frame. Times in microseconds. */
 export interface FrameHeader {
   frame: number;
@@ -30,6 +37,8 @@ export interface FrameHeader {
   correction: string;
   unit: string;
   paths: PathMessage[];
+  /** Nothing where there is no body, and one layer. */
+  wrong?: WrongMessage[];
   counts: Record<string, number>;
   contour_length_m: number;
   stage_us: Record<string, number>;
@@ -55,7 +64,7 @@ export interface FrameMessage extends FrameHeader {
   numBytes: number;
 }
 
-export const FLAGS = { masked: 1, clamped: 2, pinned: 4 } as const;
+export const FLAGS = { masked: 1, clamped: 2, pinned: 4, body: 8, layer: 16 } as const;
 
 type Arrays = Record<string, [kind: "u8" | "u32" | "f32", offset: number, count: number]>;
 

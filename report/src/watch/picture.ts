@@ -72,10 +72,11 @@ export class Picture {
     this.view.draw();
   }
 
-  /** Resolves when it is drawn. */
-  show(frame: FrameMessage, picked: number | null): Promise<void> {
+  /** Resolves when it is drawn. `isSaid`: words follow as well. */
+  show(frame: FrameMessage, picked: number | null, isSaid: boolean): Promise<void> {
     const unit = (value: number) => (frame.unit === "m" ? metres(value) : `${digits(value)} ${frame.unit}`);
-    this.arrowWords.textContent = this.arrows.show(frame, unit);
+    const words = this.arrows.show(frame, unit);
+    if (isSaid) this.arrowWords.textContent = words;
     this.view.setStates([shownOf(frame)]);
     if (picked !== null) this.view.pickPath(0, picked, false);
     // `setStates` has asked for a picture in the next frame of the screen; the one after that comes when it is drawn.

@@ -9,7 +9,7 @@ import { PLOTS, type PlotLine } from "./palette";
 const SECONDS = 60;
 const HEIGHT = 110;
 /** Plots and words follow so many times a second: people read no faster. */
-const REDRAW_MS = 250;
+const REDRAW_MS = 500;
 
 type PlotName = keyof typeof PLOTS;
 

@@ -14,7 +14,7 @@ export function shownOf(frame: FrameMessage): Shown {
 /** The vertices of each flag that occurs. */
 function marked(flags: Uint8Array): Shown["marked"] {
   const names = Object.keys(FLAGS) as (keyof typeof FLAGS)[];
-  const vertices: Record<keyof typeof FLAGS, number[]> = { masked: [], clamped: [], pinned: [] };
+  const vertices: Record<keyof typeof FLAGS, number[]> = { masked: [], clamped: [], pinned: [], body: [], layer: [] };
   flags.forEach((own, vertex) => {
     if (own === 0) return;
     for (const name of names) if ((own & FLAGS[name]) !== 0) vertices[name].push(vertex);

@@ -25,7 +25,7 @@ impl ChangeData {
 }
 
 /// For each vertex of the files the stretch of its worst edge; 1 for vertices without an edge that has a length.
-fn stretches(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Vec<f64> {
+pub(super) fn stretches(Input { weld, mesh, positions: before, .. }: &Input, after: &[[f64; 3]]) -> Vec<f64> {
     let mut worst = vec![1.0f64; before.len()];
     for edge in mesh.edge_ids() {
         let ends = mesh.edge(edge);

@@ -10,6 +10,7 @@ use serde_json::Value;
 use untangle::analysis::Analysis;
 
 use super::{
+    change::stretches,
     numbers::single,
     state::{FoundData, StateData, centre_of},
 };
@@ -20,6 +21,8 @@ pub(in crate::cli) const MOST_COORDINATES: u64 = 30_000_000;
 
 /// Highest of the numbers that coordinates are kept as.
 const STEPS: f32 = 65535.0;
+/// Steps of the natural logarithm of a stretch: a twentieth of a percent.
+const STRETCH_STEP: f64 = 0.0005;
 
 /// The frames, with positions in steps of the box round all of them.
 #[derive(Clone, Debug, Serialize)]
@@ -34,6 +37,10 @@ pub(in crate::cli) struct SequenceData {
     /// The same, each the difference to `before`.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<String>,
+    /// `num_frames x num_vertices`, packed in the same way: the stretch of each vertex (see [`stretches`]) on a
+    /// logarithmic scale, in steps of [`STRETCH_STEP`] from 1, negative ones as the two's complement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stretch: Option<String>,
     frames: Vec<FrameData>,
 }
 
@@ -53,6 +60,8 @@ pub(in crate::cli) struct FrameRecorder {
     first: Vec<StateData>,
     /// For each kind of state the coordinates of all frames, relative to the centre.
     streams: Vec<Vec<f32>>,
+    /// Of states before and after.
+    stretch: Vec<u16>,
     frames: Vec<FrameData>,
 }
 
@@ -60,7 +69,7 @@ impl FrameRecorder {
     /// For each frame states of these names will come.
     pub(in crate::cli) fn new(names: &'static [&'static str]) -> Self {
         let streams = vec![Vec::new(); names.len()];
-        Self { names, centre: [0.0; 3], first: Vec::new(), streams, frames: Vec::new() }
+        Self { names, centre: [0.0; 3], first: Vec::new(), streams, stretch: Vec::new(), frames: Vec::new() }
     }
 
     /// Takes the next frame: its states, each with what was found in it.
@@ -75,20 +84,24 @@ impl FrameRecorder {
             let relative = |position: &[f64; 3]| [0, 1, 2].map(|axis| single(position[axis] - self.centre[axis]));
             stream.extend(input.positions.iter().flat_map(relative));
         }
+        if let [(before, _), (after, _)] = states {
+            self.stretch.extend(stretches(before, &after.positions).into_iter().map(stretch_in_steps));
+        }
         let found = |state: &(&Input, &Analysis)| FoundData::new(state.0, state.1, self.centre, true);
         self.frames.push(FrameData { frame, line, states: states.iter().map(found).collect() });
     }
 
     /// The centre, the states of the first frame, and all frames.
     pub(in crate::cli) fn finish(self) -> ([f64; 3], Vec<StateData>, SequenceData) {
-        let Self { centre, first, streams, frames, .. } = self;
+        let Self { centre, first, streams, stretch, frames, .. } = self;
         let [low, high] = bounds(&streams);
         let step = [0, 1, 2].map(|axis| ((high[axis] - low[axis]) / STEPS).max(f32::MIN_POSITIVE));
         let numbers: Vec<Vec<u16>> = streams.iter().map(|stream| in_steps(stream, low, step)).collect();
         let size = streams.first().map_or(0, Vec::len) / frames.len().max(1);
         let before = numbers.first().map_or_else(String::new, |own| packed(&differences(own, &shifted(own, size))));
         let after = numbers.get(1).map(|own| packed(&differences(own, &numbers[0])));
-        (centre, first, SequenceData { low, step, before, after, frames })
+        let stretch = (!stretch.is_empty()).then(|| packed(&stretch));
+        (centre, first, SequenceData { low, step, before, after, stretch, frames })
     }
 }
 
@@ -108,6 +121,15 @@ fn in_steps(stream: &[f32], low: [f32; 3], step: [f32; 3]) -> Vec<u16> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to its range")]
     let number = |value: f32, axis: usize| ((value - low[axis]) / step[axis]).round().clamp(0.0, STEPS) as u16;
     stream.iter().enumerate().map(|(at, &value)| number(value, at % 3)).collect()
+}
+
+/// A ratio on a logarithmic scale.
+fn stretch_in_steps(ratio: f64) -> u16 {
+    // An edge of no length has a ratio without end.
+    let most = f64::from(i16::MAX);
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to its range")]
+    let steps = (ratio.ln() / STRETCH_STEP).clamp(-most, most).round() as i16;
+    steps.cast_unsigned()
 }
 
 /// The numbers of the frame before; zeros before the first.
@@ -131,4 +153,19 @@ fn packed(numbers: &[u16]) -> String {
         encoder.finish()
     };
     STANDARD.encode(pack().unwrap_or_else(|error| unreachable!("memory can be written: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_keep_their_ratio_within_a_step() {
+        for ratio in [1e-6, 0.5, 0.999, 1.0, 1.01, 7.0, 1e6] {
+            let read = (f64::from(stretch_in_steps(ratio).cast_signed()) * STRETCH_STEP).exp();
+            assert!((read / ratio - 1.0).abs() < STRETCH_STEP, "{ratio}: {read}");
+        }
+        assert_eq!(stretch_in_steps(1.0), 0, "what did not change is zero, and takes no room");
+        assert_eq!([0.0, f64::INFINITY].map(|ratio| stretch_in_steps(ratio).cast_signed()), [-i16::MAX, i16::MAX]);
+    }
 }

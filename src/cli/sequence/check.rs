@@ -123,10 +123,13 @@ pub fn check(args: &CheckArgs) -> Result<Outcome, SequenceError> {
     if !args.json {
         print(&outcome::printable(&head))?;
     }
-    let mut progress = FrameProgress::new(last_frame - first_frame + 1);
+    let progress = FrameProgress::new(last_frame - first_frame + 1, 1);
     let pipeline = Pipeline { frames: shot.cache.frames(), part, num_stages: 1, window: 0 };
     let is_kept = page.is_some();
-    let judge = |_: usize, frame: u64, _: &_| judge(&shot, frame, is_kept);
+    let judge = |pass: usize, frame: u64, _: &_| {
+        progress.begin(pass, frame);
+        judge(&shot, frame, is_kept)
+    };
     pipeline.run(&judge, &mut |frame, (judgement, found): &Found| {
         let line = FrameLine::new(frame, shot.cache.time_code(frame), judgement);
         totals.add(&line);

@@ -1,53 +1,52 @@
-//! The progress line of a sequence, with the time left.
+//! The progress of a sequence, with the time left.
 
 use std::{
-    io::{self, Write},
+    sync::atomic::{AtomicU64, Ordering},
     time::{Duration, Instant},
 };
 
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::cli::progress_line::ProgressLine;
 
-/// Time between two lines where standard error is no terminal.
-const BETWEEN_LINES: Duration = Duration::from_secs(5);
-
-/// One line on standard error, if that is a terminal, which is cleared at the end; else a line every few seconds.
+/// What is done with the frames of a sequence, in the line of the command.
 #[derive(Debug)]
 pub(super) struct FrameProgress {
-    bar: ProgressBar,
+    line: ProgressLine,
     start: Instant,
-    last_line: Instant,
-    num_done: u64,
+    num_done: AtomicU64,
     num_frames: u64,
+    num_passes: usize,
 }
 
 impl FrameProgress {
-    pub(super) fn new(num_frames: u64) -> Self {
-        // indicatif hides the line where standard error is not a terminal.
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        let now = Instant::now();
-        Self { bar, start: now, last_line: now, num_done: 0, num_frames }
+    pub(super) fn new(num_frames: u64, num_passes: usize) -> Self {
+        let (start, num_done) = (Instant::now(), AtomicU64::new(0));
+        Self { line: ProgressLine::new(), start, num_done, num_frames, num_passes }
+    }
+
+    /// Shows that a pass over a frame begins. Some seconds may go by before the first frame is done: many frames go
+    /// through the first passes before.
+    pub(super) fn begin(&self, pass: usize, frame: u64) {
+        let num_done = self.num_done.load(Ordering::Relaxed);
+        let pass =
+            if self.num_passes > 1 { format!(", pass {} of {}", pass + 1, self.num_passes) } else { String::new() };
+        self.line.set(format!("frame {frame}{pass}; {}", self.words(num_done)));
     }
 
     /// Shows that a frame is done.
-    pub(super) fn done(&mut self, frame: u64) {
-        self.num_done += 1;
-        let line = format!("frame {frame}, {} of {}, {} left", self.num_done, self.num_frames, words(self.time_left()));
-        if self.bar.is_hidden() && self.last_line.elapsed() >= BETWEEN_LINES {
-            self.last_line = Instant::now();
-            // Nobody may be there to read it.
-            let _ = writeln!(io::stderr(), "untangled: {line}");
-        }
-        self.bar.set_message(line);
+    pub(super) fn done(&self, frame: u64) {
+        let num_done = self.num_done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.line.set(format!("frame {frame} is done; {}", self.words(num_done)));
+    }
+
+    fn words(&self, num_done: u64) -> String {
+        let left = if num_done == 0 { String::new() } else { format!(", {} left", words(self.time_left(num_done))) };
+        format!("{num_done} of {} frames are done{left}", self.num_frames)
     }
 
     /// Frames take as long as those before them, on the mean.
-    fn time_left(&self) -> Duration {
-        let left = self.num_frames.saturating_sub(self.num_done);
-        let [left, done] = [left, self.num_done.max(1)].map(|count| u32::try_from(count).unwrap_or(u32::MAX));
+    fn time_left(&self, num_done: u64) -> Duration {
+        let left = self.num_frames.saturating_sub(num_done);
+        let [left, done] = [left, num_done.max(1)].map(|count| u32::try_from(count).unwrap_or(u32::MAX));
         (self.start.elapsed() / done).saturating_mul(left)
     }
 }
@@ -57,11 +56,5 @@ fn words(time: Duration) -> String {
         seconds @ 0..120 => format!("{seconds} s"),
         seconds @ 120..7200 => format!("{} min", seconds.div_ceil(60)),
         seconds => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
-    }
-}
-
-impl Drop for FrameProgress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
     }
 }

@@ -111,6 +111,7 @@ impl Session {
             .map_err(|error| Refusal::new(Status::BadSettings, error))?;
         untangler.set_labelled(options.has_labels());
         untangler.set_single_precision(precision == Precision::F32);
+        untangler.set_displaced(correction == CorrectionKind::Displacement);
         let states = StatePort::create(node, instance, id, precision, layout).map_err(internal)?;
         let num_vertices = cloth.num_vertices();
         let port = PortOptions { domain, instance, session: id, num_vertices, precision, layout, options };

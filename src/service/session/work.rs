@@ -182,6 +182,7 @@ impl Work {
         if let Ok(mut fresh) = Untangler::new(Arc::clone(self.cloth.mesh()), self.untangler.settings().clone()) {
             fresh.set_labelled(self.untangler.is_labelled());
             fresh.set_single_precision(self.untangler.is_single_precision());
+            fresh.set_displaced(self.untangler.is_displaced());
             self.untangler = fresh;
         }
     }

@@ -39,7 +39,10 @@ pub(crate) fn drive_by(skipped: &str, arguments: &[&str]) -> Option<Value> {
         eprintln!("SKIPPED: {skipped}: {}", text.trim_end());
         return None;
     }
-    assert!(output.status.success(), "{arguments:?}: {text}\n{}", String::from_utf8_lossy(&output.stderr));
+    // The words of the failure stand first and last, whichever part of a log is kept.
+    let head = text.lines().last().unwrap_or_default();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{head}\n{arguments:?}\n{errors}\n{text}");
     Some(serde_json::from_str(text.lines().last().unwrap()).unwrap())
 }
 

@@ -1,10 +1,10 @@
 //! Pages of sequences: frames as the caches have them.
 
-use std::io::Read;
+use std::{io::Read, path::Path};
 
 use flate2::read::ZlibDecoder;
 use serde_json::Value;
-use untangled_mesh_io::{VertexCache, read_mesh};
+use untangled_mesh_io::{MeshFile, VertexCache, read_mesh};
 
 use super::{bytes, count, distance, document};
 use crate::{
@@ -48,6 +48,34 @@ fn assert_frames_are(page: &Value, stream: &[Vec<[f64; 3]>], cache: &VertexCache
         assert_eq!(found.len(), frame.positions().len());
         assert!(found.iter().zip(frame.positions()).all(|(&a, &b)| distance(a, b) < step));
     }
+}
+
+/// The stretch of each vertex is that of its worst edge, from the caches that were read and written.
+fn assert_stretch_fits(page: &Value, path: &Path, cloth: &[MeshFile; 1]) {
+    let [before, after] = ["in.pc2", "b.pc2"].map(|name| VertexCache::open(&path.join(name), cloth).unwrap());
+    let steps = numbers(&page["sequence"]["stretch"]);
+    let badness = |ratio: f64| ratio.max(1.0 / ratio);
+    let mut most = 1.0f64;
+    for (frame, steps) in (0..).zip(steps.chunks_exact(cloth[0].positions().len())) {
+        let [before, after] = [&before, &after].map(|cache| cache.read(frame).unwrap());
+        let mut worst = vec![1.0; steps.len()];
+        for &[a, b, c] in cloth[0].faces() {
+            for [from, to] in [[a, b], [b, c], [c, a]].map(|ends| ends.map(|vertex| vertex as usize)) {
+                let length = |places: &[[f64; 3]]| distance(places[from], places[to]);
+                let ratio = length(after.positions()) / length(before.positions());
+                for vertex in [from, to] {
+                    worst[vertex] = if badness(ratio) > badness(worst[vertex]) { ratio } else { worst[vertex] };
+                }
+            }
+        }
+        for (steps, worst) in steps.iter().zip(&worst) {
+            let told = (0.0005 * f64::from(steps.cast_signed())).exp();
+            assert!((badness(told) / badness(*worst) - 1.0).abs() < 1e-3, "frame {frame}: {told}, and not {worst}");
+            most = most.max(badness(told));
+        }
+    }
+    assert_eq!(steps.len() % cloth[0].positions().len(), 0);
+    assert!(most > 1.01, "something was stretched: {most}");
 }
 
 #[test]
@@ -95,6 +123,7 @@ fn page_of_a_repaired_shot_holds_both_states_and_the_output_is_the_same() {
     for frame in page["sequence"]["frames"].as_array().unwrap() {
         assert_eq!(frame["states"][1]["paths"], serde_json::json!([]), "nothing is left");
     }
+    assert_stretch_fits(&page, path, &cloth);
     assert!(names(path).iter().all(|name| !name.starts_with('.')), "{:?}", names(path));
 }
 

@@ -7,7 +7,17 @@ use std::{
 };
 
 use rustix::process::Signal;
-use untangled_testkit::process::{Daemon, TestDomain, send_signal, untangled};
+use serde_json::Value;
+use untangle::{
+    frame::Frame,
+    mesh::Mesh,
+    sides::{Layers, Sides},
+};
+use untangled_client::Registration;
+use untangled_testkit::{
+    generate::outfits::{Outfit, Pose},
+    process::{Daemon, PATIENCE, STEP, TestDomain, send_signal, untangled},
+};
 
 use crate::html::browser::drive_by;
 
@@ -92,6 +102,57 @@ fn sessions_of_a_daemon_are_listed_and_one_that_is_watched_leaves_nothing_behind
     host.wait().unwrap();
     drop(watch);
     assert_eq!(daemon.stop(Signal::TERM).code(), Some(0));
+}
+
+#[test]
+fn cloth_on_the_wrong_side_of_bodies_and_layers_is_told_with_the_frame() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let watch = Watch::start(&domain);
+    let (description, positions) = Outfit::new(Pose::ALL[0], 20).world();
+    #[expect(clippy::cast_possible_truncation, reason = "the wire carries single precision")]
+    let single: Vec<[f32; 3]> = positions.iter().map(|place| place.map(|x| x as f32)).collect();
+    let rounded: Vec<[f64; 3]> = single.iter().map(|place| place.map(f64::from)).collect();
+    let registration = Registration {
+        num_vertices: description.num_vertices,
+        triangles: description.faces.clone(),
+        layers: description.layers.clone(),
+        body: description.body.clone(),
+        rest_positions: Some(rounded.clone()),
+        ..Registration::default()
+    };
+    let mut session = domain.connect().register(registration).unwrap();
+    let listed = watch.get("sessions");
+    let name = listed.split("\"session\":\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+    // From now on there is an observer, which sees the frames after it.
+    let answer = std::thread::scope(|scope| {
+        let asked = scope.spawn(|| {
+            loop {
+                let frame = watch.get(&format!("frame?session={name}&after=0"));
+                if frame.contains("Untangled-Serial: ") {
+                    break frame;
+                }
+            }
+        });
+        while !asked.is_finished() {
+            session.exchange(STEP, PATIENCE, |out| out.copy_from_slice(&single)).unwrap();
+        }
+        asked.join().unwrap()
+    });
+    let text = &answer[answer.find('{').unwrap()..];
+    let header: Value = serde_json::Deserializer::from_str(text).into_iter().next().unwrap().unwrap();
+    let mesh = Mesh::new(description).unwrap();
+    let frame = Frame::new(&mesh, &rounded).unwrap();
+    let sides = Sides::of(&mesh, &frame).unwrap();
+    let behind = Layers::of(&mesh, &frame, Some(&sides)).unwrap().behind(&mesh, frame.positions());
+    let inside = sides.wrong_vertices(&mesh, &frame);
+    assert!(behind.len() > 20, "there is something to tell");
+    for (kind, wrong) in [("body", inside), ("layer", behind)] {
+        let depth_m = wrong.iter().map(|wrong| wrong.way.depth_m).fold(0.0, f64::max);
+        let told = header["wrong"].as_array().unwrap().iter().find(|told| told["kind"] == kind).unwrap();
+        assert_eq!(told["num_vertices"], wrong.len(), "{kind}");
+        assert!((told["depth_m"].as_f64().unwrap() - depth_m).abs() < 1e-12, "{told}, and not {depth_m}");
+    }
 }
 
 #[test]

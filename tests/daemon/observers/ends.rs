@@ -69,11 +69,21 @@ fn observers_find_their_session_again_after_the_daemon_was_killed() {
         exchange(&mut other);
         exchange(&mut session);
         observer.reopen(PATIENCE).unwrap();
-        // The second of the two that are alike.
-        let frame = session.frame() + 1;
+        // The second of the two that are alike, which were registered again in their order.
+        let found = untangled_client::observe::sessions(&super::options(&domain)).unwrap();
+        assert_eq!(observer.session().session, found[1].session);
+        let before = session.frame();
         exchange(&mut session);
-        let seen = observer.latest(PATIENCE).unwrap().unwrap();
-        assert_eq!((seen.frame(), seen.num_dropped), (frame, 0));
+        // On a busy machine one exchange may take several frames, not all of which are answered.
+        let mut num_answered = 0;
+        loop {
+            let seen = observer.latest(PATIENCE).unwrap().expect("a frame");
+            num_answered += 1 + seen.num_dropped;
+            if seen.frame() == session.frame() {
+                break;
+            }
+        }
+        assert!((1..=session.frame() - before).contains(&num_answered), "{num_answered}");
     }
     drop((observer, session, other, client));
     assert!(daemon.stop(Signal::TERM).success());

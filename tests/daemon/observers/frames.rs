@@ -1,12 +1,19 @@
 //! Observers see the very frames of a session.
 
-use std::time::Duration;
+use std::{collections::BTreeSet, time::Duration};
 
+use untangle::{
+    mesh::{Mesh, MeshDescription},
+    sides::Layers,
+};
 use untangled_client::{
-    Correction, PathPoint, PathRecord, Registration, Session, StepTime,
+    Correction, PathPoint, PathRecord, Registration, Session, StepTime, flags,
     observe::{Observation, Observer, path_state},
 };
-use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, sheet};
+use untangled_testkit::{
+    generate::outfits::{Outfit, Pose},
+    process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, fill_flat, sheet},
+};
 
 use super::{observe, options};
 
@@ -47,6 +54,20 @@ fn check(seen: &Observation, sent: &[[f32; 3]], got: &Correction) {
     assert_eq!(points(seen.paths().points), points(paths.points));
 }
 
+/// What is inside of a pair is flagged so, and a pair has vertices inside where its state says so; only such have a
+/// depth.
+fn check_regions(seen: &Observation) {
+    let flagged = (0u32..).zip(&seen.flags).filter(|(_, own)| **own & flags::INSIDE != 0).map(|(vertex, _)| vertex);
+    let inside: BTreeSet<u32> = seen.inside.iter().map(|entry| entry.vertex).collect();
+    assert_eq!(inside, flagged.collect());
+    let of_pairs: BTreeSet<u32> = seen.inside.iter().map(|entry| entry.pair).collect();
+    for record in seen.paths().records {
+        assert_eq!(of_pairs.contains(&record.pair), record.state == path_state::REGION, "{record:?}");
+    }
+    assert!((0u32..).zip(&seen.depths_m).all(|(pair, &depth_m)| depth_m <= 0.0 || of_pairs.contains(&pair)));
+    assert!(of_pairs.iter().all(|&pair| seen.depths_m[pair as usize] > 0.0), "{:?}", seen.depths_m);
+}
+
 #[test]
 fn observers_see_positions_corrections_and_paths_as_sent_and_got() {
     let domain = TestDomain::new();
@@ -65,6 +86,7 @@ fn observers_see_positions_corrections_and_paths_as_sent_and_got() {
             assert_eq!((mesh.precision, mesh.correction), (precision, registration.correction));
         }
         let mut num_states = [0; path_state::NAMES.len()];
+        let mut deepest_m = 0.0f32;
         for frame in 1..=16 {
             let got = exchange(&cloth, &mut session, double);
             for observer in &mut observers {
@@ -73,10 +95,13 @@ fn observers_see_positions_corrections_and_paths_as_sent_and_got() {
                 assert_eq!((seen.num_frames(), seen.num_dropped), (frame, 0));
                 assert!(seen.age() < PATIENCE && seen.stage_times()[7].1 > Duration::ZERO);
                 seen.paths().records.iter().for_each(|record| num_states[record.state as usize] += 1);
+                check_regions(&seen);
+                deepest_m = seen.depths_m.iter().fold(deepest_m, |most, &depth_m| most.max(depth_m));
             }
         }
         assert_eq!(num_states[path_state::UNKNOWN as usize] + num_states[path_state::LEFT_OUT as usize], 0);
         assert!(num_states[path_state::REGION as usize] > 0, "{num_states:?}");
+        assert!(deepest_m > 1e-3 && deepest_m < 1.0, "{deepest_m}");
         session.close(PATIENCE).unwrap();
     }
 }
@@ -114,6 +139,7 @@ fn bodies_layers_and_welded_seams_are_seen_by_the_hosts_vertices() {
     // Corners on the seam are the lowest of their place.
     assert_eq!(mesh.triangles, [[0, 1, 2], [1, 5, 2], [6, 7, 8]]);
     assert_eq!((&mesh.body[..], &mesh.pins[..]), (&[6, 7, 8][..], &[5][..]));
+    assert_eq!(mesh.outwards, None, "there is one layer");
     assert_eq!(mesh.layers.as_deref(), Some(&[2, 2, 2, 2, 2, 2, 0, 0, 0][..]));
     assert_eq!(mesh.is_body().iter().filter(|&&is_body| is_body).count(), 3);
     let got = session.exchange(STEP, PATIENCE, |out| out.copy_from_slice(&single)).unwrap();
@@ -121,6 +147,30 @@ fn bodies_layers_and_welded_seams_are_seen_by_the_hosts_vertices() {
     assert_eq!(seen.positions, single);
     assert_eq!(seen.flags, got.vertices().iter().map(|vertex| vertex.flags).collect::<Vec<_>>());
     assert_eq!(seen.flags[5..], [8; 4]);
+}
+
+#[test]
+fn what_rest_positions_say_is_outwards_is_seen() {
+    let domain = TestDomain::new();
+    let _daemon = Daemon::start(&domain);
+    let outfit = Outfit::new(Pose::ALL[0], 12);
+    let (mut description, positions) = outfit.world();
+    // The shirt with its faces turned round.
+    description.faces[..outfit.layers[0].faces.len()].iter_mut().for_each(|face| face.swap(1, 2));
+    let registration = Registration {
+        num_vertices: description.num_vertices,
+        triangles: description.faces.clone(),
+        layers: description.layers.clone(),
+        body: description.body.clone(),
+        rest_positions: Some(positions.clone()),
+        ..Registration::default()
+    };
+    let _session = domain.connect().register(registration).unwrap();
+    let mesh = Mesh::new(MeshDescription { rest_positions: Some(positions), ..description }).unwrap();
+    let decided = Layers::decide_at_rest(mesh);
+    let outwards = decided.outwards().unwrap();
+    assert!(outwards.contains(&true) && outwards.contains(&false));
+    assert_eq!(observe(&domain).mesh().outwards.as_deref(), Some(outwards));
 }
 
 #[test]

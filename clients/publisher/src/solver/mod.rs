@@ -102,6 +102,8 @@ pub struct Solver {
     stretch: Stretch,
     bend: Bend,
     contacts: Contacts,
+    /// How far each pinned vertex goes in the next step; empty where they stay.
+    carried: Vec<(u32, Vec3)>,
     /// Largest displacement of a vertex in a step, in metres; contact looks that far ahead.
     reach_m: f64,
 }
@@ -127,6 +129,7 @@ impl Solver {
             stretch: Stretch::new(&cloth, parameters.stretch_n_m),
             bend: Bend::new(&cloth, parameters.bending_n_m),
             contacts: Contacts::new(&cloth, parameters.thickness_m, parameters.friction, reach_m),
+            carried: Vec::new(),
             reach_m,
             cloth,
             parameters,
@@ -154,6 +157,16 @@ impl Solver {
                 *position = place;
             }
         }
+    }
+
+    /// Says where pinned vertices are at the end of the next step, `num_vertices x 3` in metres: a body that an
+    /// animation moves. They get there evenly, and push and drag what touches them; the places of others count for
+    /// nothing. In one step they should go no farther than half an edge, beyond which contact does not look.
+    pub fn carry(&mut self, places: &[Vec3]) {
+        let Cloth { positions, pins, .. } = &self.cloth;
+        let way = |&pin: &u32| (pin, places[pin as usize] - positions[pin as usize]);
+        self.carried.clear();
+        self.carried.extend(pins.iter().map(way));
     }
 
     /// Moves the cloth on by `dt_s` seconds.
@@ -185,6 +198,9 @@ impl Solver {
                 }
                 self.cloth.positions[vertex] += *velocity * substep_s;
             }
+            for &(pin, way) in &self.carried {
+                self.cloth.positions[pin as usize] += way / f64::from(self.parameters.num_substeps);
+            }
             let positions = &mut self.cloth.positions;
             self.stretch.project(positions, &self.inverse_masses, substep_s);
             self.bend.project(positions, &self.inverse_masses, substep_s);
@@ -193,6 +209,7 @@ impl Solver {
                 *velocity = (now - before) / substep_s;
             }
         }
+        self.carried.clear();
         if self.parameters.single_precision {
             self.cloth.round_to_f32();
         }

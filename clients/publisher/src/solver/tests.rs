@@ -101,3 +101,25 @@ fn help_moves_free_vertices_and_no_pinned_ones() {
         }
     }
 }
+
+#[test]
+fn carried_pins_end_where_they_are_sent_and_carry_what_lies_on_them() {
+    let body = Sheet::new(0.5, 0.5, 0.05).build(1, |u, v| Vec3::new(u, v, 0.0));
+    let mut cloth = Cloth { pins: (0..).take(body.positions.len()).collect(), ..body };
+    let num_body = cloth.positions.len();
+    cloth.append(Sheet::new(0.3, 0.3, 0.05).build(2, |u, v| Vec3::new(u, v, 0.012)), Vec3::new(0.103, 0.107, 0.0));
+    let mut solver = Solver::new(cloth.clone(), Parameters { friction: 0.5, ..parameters(9.81) });
+    for step in 1..=30 {
+        let way = Vec3::new(0.002, 0.0, 0.004) * f64::from(step);
+        let places: Vec<Vec3> = cloth.positions.iter().map(|place| place + way).collect();
+        solver.carry(&places);
+        solver.step(1.0 / 60.0, Help::NONE);
+        for (now, place) in solver.cloth().positions[..num_body].iter().zip(&places) {
+            assert!((now - place).norm() < 1e-6, "step {step}: {now} instead of {place}");
+        }
+    }
+    assert_eq!(count_edge_face(&solver.cloth().points(), &cloth.triangles).unwrap(), 0);
+    let way = |k: usize| solver.cloth().positions[k] - cloth.positions[k];
+    let carried = (num_body..cloth.positions.len()).map(|k| way(k).x).sum::<f64>();
+    assert!(carried / (cloth.positions.len() - num_body) as f64 > 0.02, "what lies on a body goes along with it");
+}

@@ -3,7 +3,10 @@
 use std::{any::Any, mem::offset_of, sync::Arc};
 
 use pyo3::{prelude::*, types::PyDict};
-use untangled_client::{PathPoint, PathRecord, observe::Observation};
+use untangled_client::{
+    PathPoint, PathRecord,
+    observe::{InsideEntry, Observation},
+};
 
 use crate::{correction::header_by_name, memory::Memory};
 
@@ -37,6 +40,16 @@ impl NativeObservation {
     /// The flags, `num_vertices` of u32.
     fn flags(&self) -> Memory {
         self.view(self.0.flags.as_ptr(), [self.0.flags.len(), 0, 4], "<u4")
+    }
+
+    /// The vertices inside, each with its pair of paths, `num_inside x 2` of u32.
+    fn inside(&self) -> Memory {
+        self.view(self.0.inside.as_ptr(), [self.0.inside.len(), 2, size_of::<InsideEntry>()], "<u4")
+    }
+
+    /// The depth of each pair of paths, `num_pairs` of f32.
+    fn depths(&self) -> Memory {
+        self.view(self.0.depths_m.as_ptr(), [self.0.depths_m.len(), 0, 4], "<f4")
     }
 
     /// `num_paths x 8` numbers of the records, the points' positions (`x 3` of f64) and faces (`x 2` of u32).

@@ -86,6 +86,8 @@ impl NativeObserver {
         dict.set_item("body", of_u32s(mesh.body))?;
         dict.set_item("pins", of_u32s(mesh.pins))?;
         dict.set_item("layers", mesh.layers.map(of_u32s))?;
+        let outwards = mesh.outwards.map(|outwards| outwards.into_iter().map(u8::from).collect::<Vec<u8>>());
+        dict.set_item("outwards", outwards)?;
         dict.set_item("double", mesh.precision == Precision::F64)?;
         dict.set_item(
             "correction",

@@ -34,4 +34,7 @@ pub use mesh::ObservedMesh;
 pub use observation::Observation;
 pub use observer::Observer;
 pub use sessions::{ObservedProcess, ObservedSession, ObserverOptions, sessions};
-pub use untangled_proto::{limits::MAX_OBSERVERS, view::path_state};
+pub use untangled_proto::{
+    limits::MAX_OBSERVERS,
+    view::{InsideEntry, path_state},
+};

@@ -7,7 +7,7 @@ use untangled_proto::{
     correction::stage,
     flags,
     paths::{PathPoint, PathRecord},
-    view::{ViewHeader, ViewParts},
+    view::{InsideEntry, ViewHeader, ViewParts},
 };
 use untangled_transport::clock;
 
@@ -28,6 +28,11 @@ pub struct Observation {
     pub corrections: Vec<[f32; 3]>,
     /// [`flags`] of all vertices, `num_vertices`.
     pub flags: Vec<u32>,
+    /// Vertices inside, each with the pair of paths that it is inside of; a vertex may be inside of several.
+    pub inside: Vec<InsideEntry>,
+    /// For each pair of paths how far the farthest point inside is from where it should be, in metres; 0 where nothing
+    /// inside has such a place: there is no region, or the response seeks no targets.
+    pub depths_m: Vec<f32>,
     /// Frames of the session that were answered since the last observation, or the opening, and not seen.
     pub num_dropped: u64,
     records: Vec<PathRecord>,
@@ -35,8 +40,11 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Copies a view; says what does not fit together.
-    pub(super) fn read(header: ViewHeader, payload: &[u8], mesh: &ObservedMesh) -> Result<Self, String> {
+    /// Copies a view of a session with this mesh.
+    ///
+    /// # Errors
+    /// Words that say what does not fit together.
+    pub fn read(header: ViewHeader, payload: &[u8], mesh: &ObservedMesh) -> Result<Self, String> {
         let parts = header.split(payload).ok_or("its length is not what its header says")?;
         let n = mesh.num_vertices;
         let positions: Vec<[f32; 3]> = parts.positions().collect();
@@ -52,7 +60,15 @@ impl Observation {
                 return Err("a path names points, a path or a pair that are not there".to_owned());
             }
         }
-        Ok(Self { header, positions, corrections, flags, num_dropped: 0, records, points })
+        let (inside, depths_m): (Vec<_>, Vec<_>) = (parts.inside().collect(), parts.depths().collect());
+        let num_pairs = records.iter().map(|record| record.pair as usize + 1).max().unwrap_or(0);
+        if inside.iter().any(|entry| entry.vertex as usize >= n || entry.pair as usize >= num_pairs) {
+            return Err("a vertex inside, or its pair of paths, is not there".to_owned());
+        }
+        if !depths_m.is_empty() && depths_m.len() != num_pairs {
+            return Err(format!("it has {} depths, and there are {num_pairs} pairs of paths", depths_m.len()));
+        }
+        Ok(Self { header, positions, corrections, flags, inside, depths_m, num_dropped: 0, records, points })
     }
 
     /// Its number.
@@ -156,6 +172,17 @@ mod tests {
                 PathRecord { pair: u32::MAX, ..PathRecord::default() }.to_bytes().to_vec(),
                 "or a pair that are not there",
             ),
+            (
+                ViewHeader { num_inside: 1, ..ViewHeader::default() },
+                InsideEntry { vertex: 1, pair: 0 }.to_bytes().to_vec(),
+                "its pair of paths, is not there",
+            ),
+            (
+                ViewHeader { num_paths: 1, num_inside: 1, ..ViewHeader::default() },
+                [&PathRecord::default().to_bytes()[..], &InsideEntry { vertex: 2, pair: 0 }.to_bytes()].concat(),
+                "a vertex inside",
+            ),
+            (ViewHeader { num_depths: 1, ..ViewHeader::default() }, vec![0; 4], "1 depths, and there are 0 pairs"),
         ] {
             let error = read(header, &payload).unwrap_err();
             assert!(error.contains(words), "{error}");

@@ -26,8 +26,11 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use bvh::{Aabb, AabbX8, Bvh, NodePair, PointF32, WIDTH};
+pub(crate) use bvh::{Bvh, MAX_ADJACENT_FACES, NodePair, WIDTH};
 pub use exact::do_intersect;
+pub(crate) use filter::{
+    OneRings, apart_edges_mask_x8, apart_mask_x8, apart_vertex_face_mask_x8, clear_mask_x8, is_clear,
+};
 pub use intersections::{EdgeFaceIntersection, Intersections, Segment, SegmentEnd};
 pub use intersector::Intersector;
 pub use limits::{SearchEnd, SearchLimits};

@@ -6,21 +6,27 @@
 //! of two bodies. Primitives
 //! are those of the faces that are used: vertices of no face, and faces with a repeated vertex, are none.
 //!
+//! Most pairs are neighbours on the surface. So the test of a vertex star comes first: where it proves that no two
+//! primitives of the faces round a vertex are within the margin, no pair of these faces is looked at. What is left goes
+//! from boxes through filters in single precision to exact decisions.
+//!
 //! | file | purpose |
 //! |---|---|
 //! | `pair` | the pairs, and their closest points |
-//! | `elements` | the vertices and edges of each leaf of the tree, with their boxes |
-//! | `candidates` | pairs of two leaves whose boxes come near each other |
-//! | `search` | all pairs below a distance |
-//! | `nearest` | the nearest pair, by branch and bound |
+//! | `goal` | all pairs below a distance, or the nearest one |
+//! | `owners` | which face answers for a vertex or an edge |
+//! | `stars` | which stars may have near pairs |
+//! | `share` | one share of a search, batch by batch through the filters |
+//! | `search` | the driver |
 //!
 //! A row uses those above it only.
 
-mod candidates;
-mod elements;
-mod nearest;
+mod goal;
+mod owners;
 mod pair;
 mod search;
+mod share;
+mod stars;
 #[cfg(test)]
 mod tests;
 

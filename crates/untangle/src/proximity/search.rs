@@ -1,24 +1,30 @@
-//! All pairs below a distance.
+//! The search: open stars first, then all pairs of faces, in shares.
 
 use rayon::prelude::*;
 
 use super::{
-    candidates::Candidates,
-    elements::Elements,
-    nearest::{Bound, LeafNearest, Nearest, SubtreeNearest},
+    goal::{Bound, Goal, nearer},
+    owners::Owners,
     pair::ProximityPair,
+    share::{Part, Scene, Share, Work},
+    stars::{Stars, TestStars},
 };
 use crate::{
     frame::Frame,
     intersect::{Bvh, NodePair},
     mesh::Mesh,
-    simd::{InstructionSet, Task, dispatch},
+    simd::dispatch,
 };
 
 /// Nodes of the level from which on subtrees are traversed in parallel, at least, where the tree has as many.
 const MIN_SUBTREES: usize = 32;
-/// Leaves that one thread takes at a time.
-const LEAVES_PER_TASK: usize = 64;
+/// Shares of the pairs of subtrees. Neighbours in their list go to different shares.
+const MAX_SUBTREE_SHARES: usize = 32;
+/// Vertex stars in one share: tested ones, and open ones.
+const STARS_PER_SHARE: usize = 1024;
+const OPEN_STARS_PER_SHARE: usize = 256;
+/// Leaves whose faces give a first bound for the nearest pair.
+const NUM_SAMPLES: usize = 64;
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +39,10 @@ pub enum ProximityEnd {
 #[derive(Debug, Default)]
 pub struct ProximitySearch {
     bvh: Bvh,
-    elements: Elements,
+    owners: Owners,
+    stars: Stars,
     subtrees: Vec<NodePair>,
+    shares: Vec<Share>,
 }
 
 impl ProximitySearch {
@@ -53,21 +61,12 @@ impl ProximitySearch {
     ) -> ProximityEnd {
         found.clear();
         self.prepare(mesh, frame);
-        let margin = self.bvh.margin_f32(distance_m);
-        self.bvh.near_subtrees(margin, MIN_SUBTREES, &mut self.subtrees);
-        let candidates = self.candidates(mesh);
-        let mut shares: Vec<Vec<ProximityPair>> = Vec::new();
-        let share = |&subtrees: &NodePair| {
-            let mut pairs = Vec::new();
-            dispatch(FindBelow { candidates, frame, margin, distance_m, max_pairs, subtrees, pairs: &mut pairs });
-            pairs
-        };
-        self.subtrees.par_iter().with_max_len(1).map(share).collect_into_vec(&mut shares);
-        if shares.iter().map(Vec::len).sum::<usize>() > max_pairs {
+        self.run(mesh, frame, Goal::Below { distance_m, max_pairs });
+        if self.shares.iter().map(|share| share.found.len()).sum::<usize>() > max_pairs {
             return ProximityEnd::TooManyPairs;
         }
-        found.extend(shares.into_iter().flatten());
-        found.sort_unstable_by_key(|pair| pair.primitives);
+        self.shares.iter().for_each(|share| found.extend_from_slice(&share.found));
+        found.sort_unstable_by_key(|pair| pair.primitives.rank());
         ProximityEnd::Complete
     }
 
@@ -77,67 +76,77 @@ impl ProximitySearch {
     pub fn nearest(&mut self, mesh: &Mesh, frame: &Frame) -> Option<ProximityPair> {
         self.prepare(mesh, frame);
         let bound = Bound::default();
-        // Neighbours in a leaf give a bound for the rest.
-        let candidates = self.candidates(mesh);
-        let of_leaf = |leaves: NodePair| {
-            let mut best = Nearest::default();
-            dispatch(LeafNearest { candidates, frame, bound: &bound, leaves, best: &mut best });
-            best
-        };
-        let leaves = self.bvh.leaves_with_themselves().with_min_len(LEAVES_PER_TASK);
-        let best = leaves.map(of_leaf).reduce(Nearest::default, Nearest::nearer);
-        self.bvh.near_subtrees(self.bvh.margin_f32(bound.get()), MIN_SUBTREES, &mut self.subtrees);
-        let candidates = self.candidates(mesh);
-        let of_subtrees = |&subtrees: &NodePair| {
-            let mut best = Nearest::default();
-            dispatch(SubtreeNearest { candidates, frame, bound: &bound, subtrees, best: &mut best });
-            best
-        };
-        let others = self.subtrees.par_iter().with_max_len(1).map(of_subtrees);
-        best.nearer(others.reduce(Nearest::default, Nearest::nearer)).pair
+        let goal = Goal::Nearest { bound: &bound };
+        // Neighbours in some leaves give a bound for all.
+        let num_leaves = self.bvh.num_leaves();
+        let samples: Vec<usize> = (0..num_leaves).step_by(num_leaves.div_ceil(NUM_SAMPLES).max(1)).collect();
+        let Self { bvh, owners, stars, shares, .. } = self;
+        let scene = Scene { mesh, frame, bvh, owners, stars, goal };
+        let share = &mut begin(shares, 1)[0];
+        dispatch(Work { scene, share, part: Part::Leaves(&samples) });
+        let first = share.found.pop();
+        self.run(mesh, frame, goal);
+        self.shares.iter().filter_map(|share| share.found.last().copied()).chain(first).reduce(nearer)
     }
 
     /// Fits the tree to a frame.
     fn prepare(&mut self, mesh: &Mesh, frame: &Frame) {
         if self.bvh.prepare(mesh, frame) {
-            self.elements = Elements::new(mesh, &self.bvh);
+            self.owners = Owners::new(mesh, &self.bvh);
+            self.stars = Stars::new(mesh, &self.bvh);
         }
         self.bvh.refit(frame);
-        self.elements.refit(self.bvh.points_f32());
     }
 
-    fn candidates<'a>(&'a self, mesh: &'a Mesh) -> Candidates<'a> {
-        Candidates { mesh, bvh: &self.bvh, elements: &self.elements }
-    }
-}
-
-/// Finds the pairs below a distance in a pair of subtrees; ends early with more than `max_pairs`.
-struct FindBelow<'a> {
-    candidates: Candidates<'a>,
-    frame: &'a Frame,
-    margin: f32,
-    distance_m: f64,
-    max_pairs: usize,
-    subtrees: NodePair,
-    pairs: &'a mut Vec<ProximityPair>,
-}
-
-impl Task for FindBelow<'_> {
-    #[inline(always)]
-    fn run<S: InstructionSet>(self, simd: S) {
-        let Self { candidates, frame, margin, distance_m, max_pairs, subtrees, pairs } = self;
-        let mesh = candidates.mesh;
-        candidates.bvh.near_nodes(simd, margin, 0, &mut vec![subtrees], |leaves| {
-            if pairs.len() > max_pairs {
-                return;
-            }
-            candidates.of_leaves(simd, margin, leaves, |primitives| {
-                if primitives.are_nearer(mesh, frame, distance_m) {
-                    // Rounding must not contradict the exact answer.
-                    let rounded = primitives.distance_m(mesh, frame).min(distance_m.next_down());
-                    pairs.push(ProximityPair { primitives, distance_m: rounded });
+    /// Looks for what is wanted; what is found stays in the shares.
+    fn run(&mut self, mesh: &Mesh, frame: &Frame, goal: Goal<'_>) {
+        let margin = goal.margin(&self.bvh);
+        self.test_stars(margin);
+        self.bvh.near_subtrees(margin, MIN_SUBTREES, &mut self.subtrees);
+        let Self { bvh, owners, stars, subtrees, shares } = self;
+        let num_subtree_shares = MAX_SUBTREE_SHARES.min(subtrees.len());
+        let num_star_shares = stars.open.len().div_ceil(OPEN_STARS_PER_SHARE);
+        let shares = begin(shares, num_subtree_shares + num_star_shares);
+        let scene = Scene { mesh, frame, bvh, owners, stars, goal };
+        shares.par_iter_mut().with_max_len(1).enumerate().for_each(|(index, share)| {
+            let part = match index.checked_sub(num_subtree_shares) {
+                None => Part::Subtrees { all: subtrees, first: index, step: num_subtree_shares },
+                Some(index) => {
+                    let open = &stars.open[OPEN_STARS_PER_SHARE * index..];
+                    Part::Stars(&open[..OPEN_STARS_PER_SHARE.min(open.len())])
                 }
-            });
+            };
+            dispatch(Work { scene, share, part });
         });
     }
+
+    /// Tests all stars.
+    fn test_stars(&mut self, margin: f32) {
+        let Self { bvh, stars, shares, .. } = self;
+        stars.begin();
+        let rings = &stars.rings;
+        let num_shares = rings.len().div_ceil(STARS_PER_SHARE);
+        let shares = begin(shares, num_shares);
+        shares.par_iter_mut().enumerate().for_each(|(index, share)| {
+            let part = |count: usize| index * count / num_shares..(index + 1) * count / num_shares;
+            let (batches, unbatched) = (part(rings.num_batches()), part(rings.unbatched().len()));
+            let Share { spokes, open, .. } = share;
+            dispatch(TestStars { bvh, rings, margin, batches, unbatched, spokes, open });
+        });
+        for share in shares {
+            stars.open(&share.open);
+        }
+    }
+}
+
+/// So many shares, emptied. Others, of an earlier search, are emptied as well.
+fn begin(shares: &mut Vec<Share>, count: usize) -> &mut [Share] {
+    if shares.len() < count {
+        shares.resize_with(count, Share::default);
+    }
+    for share in &mut *shares {
+        share.found.clear();
+        share.open.clear();
+    }
+    &mut shares[..count]
 }

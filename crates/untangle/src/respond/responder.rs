@@ -120,6 +120,16 @@ impl Responder {
         corrections.list_touched();
     }
 
+    /// Takes the mask and the labels away from some vertices.
+    pub(crate) fn unmask(&mut self, is_unmasked: impl Fn(VertexId) -> bool) {
+        let Corrections { touched, flags, labels, .. } = &mut self.corrections;
+        for &vertex in touched.iter().filter(|&&vertex| is_unmasked(vertex)) {
+            flags[vertex.index()].0 &= !(VertexFlags::INSIDE.0 | VertexFlags::NEAR_PATH.0);
+        }
+        labels.retain(|label| !is_unmasked(label.vertex));
+        self.corrections.list_touched();
+    }
+
     /// The last corrections.
     #[must_use]
     pub fn corrections(&self) -> &Corrections {

@@ -168,6 +168,11 @@ impl F32x8Lanes for Avx2F32x8 {
     }
 
     #[inline(always)]
+    fn div(self, a: f32x8, b: f32x8) -> f32x8 {
+        self.0.div_f32x8(a, b)
+    }
+
+    #[inline(always)]
     fn splat_f32(self, value: f32) -> f32x8 {
         self.0.splat_f32x8(value)
     }

@@ -86,6 +86,8 @@ pub(crate) trait F32x8Lanes: Lanes {
 
     fn load(self, row: &[f32; F32_LANES]) -> Self::Vector;
 
+    fn div(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+
     /// Like [`splat`](Lanes::splat), from single precision.
     fn splat_f32(self, value: f32) -> Self::Vector;
 

@@ -180,6 +180,11 @@ impl F32x8Lanes for ArrayF32x8 {
     }
 
     #[inline(always)]
+    fn div(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        zip(a, b, |a, b| a / b)
+    }
+
+    #[inline(always)]
     fn splat_f32(self, value: f32) -> Self::Vector {
         [value; F32_LANES]
     }

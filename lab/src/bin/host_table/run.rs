@@ -13,15 +13,22 @@ use untangle::{
     settings::{Response, Settings},
     untangler::Untangler,
 };
-use untangled_checker::count_edge_face;
+use untangled_checker::{CheckError, count_edge_face};
+use untangled_client::CorrectionKind;
 use untangled_lab::host::{DT_S, Taken, mesh_of};
-use untangled_publisher::solver::{Parameters, Solver};
+use untangled_publisher::{
+    host::{Host, HostOptions, Use},
+    repairs::RepairPolicy,
+    solver::{Parameters, Solver},
+};
 use untangled_testkit::generate::mirrored::Knowledge;
 
 use crate::inputs::Input;
 
 /// A state is held when it stays clean for so many steps.
 const HELD: usize = 5;
+/// Longest time for a frame and for a repair, as long as nothing hangs.
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,9 +41,10 @@ pub(crate) struct Run {
     pub(crate) steps: Option<usize>,
     /// The ratio of an edge to its length at rest that is farthest from 1, as a factor of at least 1, at the end.
     pub(crate) distortion: f64,
-    /// The most that was left of momentum and of angular momentum, as parts of the sums of lengths.
+    /// The most that was left of momentum and of angular momentum, as parts of the sums of lengths; zeros where the
+    /// host does not see it.
     pub(crate) left: [f64; 2],
-    /// Time of analysis and response, and of how many tangled steps.
+    /// Time of analysis and response, or of the exchange with the daemon, and of how many tangled steps.
     pub(crate) time: Duration,
     pub(crate) busy_steps: u32,
 }
@@ -50,40 +58,61 @@ pub(crate) struct How {
     pub(crate) verbose: bool,
 }
 
-/// Simulates an input until it stays clean.
+impl Run {
+    /// Takes note of a state; whether the run ends with it.
+    fn look(
+        &mut self,
+        step: usize,
+        solver: &Solver,
+        clean_steps: &mut usize,
+        most_steps: usize,
+    ) -> Result<bool, CheckError> {
+        let cloth = solver.cloth();
+        self.after = count_edge_face(&cloth.points(), &cloth.triangles)?;
+        self.most = self.most.max(self.after);
+        if step == 0 {
+            self.before = self.after;
+        }
+        *clean_steps = if self.after == 0 { *clean_steps + 1 } else { 0 };
+        if *clean_steps > HELD {
+            self.steps = Some(step - HELD);
+        }
+        let is_last = self.steps.is_some() || step == most_steps;
+        if is_last {
+            self.distortion = cloth.worst_edge_ratio().ln().abs().exp();
+        }
+        Ok(is_last)
+    }
+
+    fn add_time(&mut self, time: Duration) {
+        if self.after > 0 {
+            self.time += time;
+            self.busy_steps += 1;
+        }
+    }
+}
+
+/// Simulates an input until it stays clean, with the library in this process.
 ///
 /// # Errors
 /// An input that is no cloth.
 pub(crate) fn run(input: &Input, settings: &Settings, how: &How) -> Result<Run, Box<dyn Error>> {
     let How { most_steps, labels, verbose } = *how;
-    let parameters = Parameters::of_cloth(&input.cloth, input.gravity_m_s2);
-    let mut solver = Solver::new(input.cloth.clone(), parameters);
+    let mut solver = solver(input);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
     let mut untangler = Untangler::new(mesh, settings.clone())?;
     untangler.set_labelled(labels);
     let (mut run, mut taken, mut clean_steps) = (Run::default(), Taken::default(), 0);
-    for step in 0..=most_steps {
-        let points = solver.cloth().points();
-        run.after = count_edge_face(&points, &solver.cloth().triangles)?;
-        run.most = run.most.max(run.after);
-        if step == 0 {
-            run.before = run.after;
-        }
-        clean_steps = if run.after == 0 { clean_steps + 1 } else { 0 };
-        if clean_steps > HELD {
-            run.steps = Some(step - HELD);
-        }
-        if run.steps.is_some() || step == most_steps {
+    for step in 0.. {
+        if run.look(step, &solver, &mut clean_steps, most_steps)? {
             break;
         }
-        let frame = Frame::new(untangler.mesh(), &points)?;
+        let frame = Frame::new(untangler.mesh(), &solver.cloth().points())?;
         let begin = Instant::now();
         let outcome = untangler.process(&frame, &mut ());
-        let time = begin.elapsed();
+        run.add_time(begin.elapsed());
         let corrections = outcome.corrections;
         if run.after > 0 {
-            run.time += time;
-            run.busy_steps += 1;
             let left = left_over(&frame, corrections, settings.response);
             run.left = std::array::from_fn(|which| run.left[which].max(left[which]));
         }
@@ -100,8 +129,49 @@ pub(crate) fn run(input: &Input, settings: &Settings, how: &How) -> Result<Run, 
         }
         solver.step(DT_S, taken.help());
     }
-    run.distortion = solver.cloth().worst_edge_ratio().ln().abs().exp();
     Ok(run)
+}
+
+/// Simulates an input until it stays clean, as the example host does with a daemon that repairs.
+///
+/// # Errors
+/// An input that is no cloth, or no daemon.
+pub(crate) fn run_repaired(
+    input: &Input,
+    repair: RepairPolicy,
+    how: &How,
+    domain: &str,
+) -> Result<Run, Box<dyn Error>> {
+    let options = HostOptions {
+        domain: Some(domain.to_owned()),
+        connect_timeout: PATIENCE,
+        deadline: PATIENCE,
+        dt_s: DT_S,
+        correction: CorrectionKind::VelocityChange,
+        use_of_corrections: Use::Everything,
+        repair,
+        repair_deadline: PATIENCE,
+        settings: serde_json::Value::Null,
+    };
+    let mut host = Host::new(solver(input), options)?;
+    let (mut run, mut clean_steps) = (Run::default(), 0);
+    for step in 0.. {
+        if run.look(step, host.solver(), &mut clean_steps, how.most_steps)? {
+            break;
+        }
+        let begin = Instant::now();
+        let report = host.exchange()?;
+        run.add_time(begin.elapsed());
+        if how.verbose {
+            println!("  {step:>4} {:>5} repaired: {:?}", run.after, report.repaired);
+        }
+        host.advance();
+    }
+    Ok(run)
+}
+
+fn solver(input: &Input) -> Solver {
+    Solver::new(input.cloth.clone(), Parameters::of_cloth(&input.cloth, input.gravity_m_s2))
 }
 
 /// Net momentum and net angular momentum as parts of the sums of lengths: of forces before the limit and the pins, as

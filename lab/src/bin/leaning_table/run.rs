@@ -8,14 +8,15 @@ use untangle::{
     untangler::Untangler,
 };
 use untangled_checker::edge_face_hits;
-use untangled_lab::host::{DT_S, Taken, mesh_of};
+use untangled_lab::{
+    gallery::Gallery,
+    host::{DT_S, Taken, mesh_of},
+};
 use untangled_publisher::{
     mesh::{Cloth, Vec3},
     solver::{Parameters, Solver},
 };
 use untangled_testkit::generate::mirrored::Knowledge;
-
-use super::scenes::Gallery;
 
 /// Which contacts a host switches off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,12 @@
 //! that nothing that the daemon does for observers is hidden by a pause. Other programs' load hits all rows: they take
 //! turns, and a ratio is that of two neighbours.
 
-#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "prints a table; what goes wrong ends it")]
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    reason = "prints a table; what goes wrong ends it; counts are small"
+)]
 
 mod processes;
 
@@ -28,6 +33,8 @@ use processes::{Observers, Row};
 const ROUNDS: usize = 12;
 /// Frames of each row in each round.
 const FRAMES: usize = 150;
+/// Microseconds of a tick.
+const TICK_US: f64 = 1e4;
 /// Frames before, in which trees are built and memory is touched.
 const WARM_UP: usize = 30;
 
@@ -52,9 +59,10 @@ fn measure() {
     print_text(&format!(
         "Round trips of sessions without a pause between frames, from before writing to having the correction, by who \
          watches: medians of {ROUNDS} rounds of {FRAMES} frames. The ratio is the median of those of each round to its \
-         row without observers.\n"
+         row without observers. Beside it the processor time of the daemon for a frame, which other programs change \
+         little.\n"
     ));
-    print_header(&["session", "observers", "microseconds", "ratio", "of most rounds"]);
+    print_header(&["session", "observers", "microseconds", "ratio", "of most rounds", "daemon, microseconds"]);
     // 31,250 triangles: flat, so that a frame is as short as it gets, and with a strip through a sheet.
     let flat: Registration = sheet(125);
     table("no contact", flat, |_, positions| fill_flat(positions));
@@ -74,29 +82,32 @@ fn table(name: &str, registration: Registration, fill: impl Fn(u64, &mut [[f32; 
         drop(session.exchange(STEP, PATIENCE, |positions| fill(number, positions)).unwrap());
         begin.elapsed().as_secs_f64() * 1e6
     };
-    let mut medians = ROWS.map(|_| Vec::new());
+    let (mut medians, mut ticks) = (ROWS.map(|_| Vec::new()), ROWS.map(|_| 0));
     for _ in 0..ROUNDS {
-        for (row, medians) in ROWS.iter().zip(&mut medians) {
+        for ((row, medians), ticks) in ROWS.iter().zip(&mut medians).zip(&mut ticks) {
             let observers = Observers::start(row, &domain, || {
                 frame(&mut session);
             });
             (0..WARM_UP).for_each(|_| {
                 frame(&mut session);
             });
+            let before = daemon.ticks();
             medians.push(middle((0..FRAMES).map(|_| frame(&mut session)).collect()));
+            *ticks += daemon.ticks() - before;
             observers.end(&domain);
         }
     }
-    for (row, own) in ROWS.iter().zip(&medians) {
+    for ((row, own), ticks) in ROWS.iter().zip(&medians).zip(ticks) {
         let ratios: Vec<f64> = own.iter().zip(&medians[0]).map(|(own, none)| own / none).collect();
         let mut sorted = ratios.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         let [low, high] = [sorted[ROUNDS / 5], sorted[ROUNDS - 1 - ROUNDS / 5]];
         println!(
-            "| {name}, {num_triangles} triangles | {} | {:.0} | {:.3} | {low:.3} to {high:.3} |",
+            "| {name}, {num_triangles} triangles | {} | {:.0} | {:.3} | {low:.3} to {high:.3} | {:.0} |",
             row.name,
             middle(own.clone()),
             middle(ratios),
+            ticks as f64 * TICK_US / (ROUNDS * FRAMES) as f64,
         );
     }
     drop(session);

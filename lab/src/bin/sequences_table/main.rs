@@ -2,23 +2,25 @@
 //!
 //! ```sh
 //! cargo build --release -p untangled
-//! cargo run --release -p untangled-lab --bin sequences_table -- [--small] [--write FOLDER] > docs/results/sequences.md
+//! cargo run --release -p untangled-lab --bin sequences_table -- [OPTION]... > docs/results/sequences.md
 //! ```
 //!
-//! A generated cloth of 8,000 triangles swings over a moving ball for 240 frames. `--small` takes the shot of the
-//! tests; `--write` only writes its files. The program `untangled` of the same build is run.
+//! A generated shot of 240 frames and 8,000 triangles. `--small` takes the shot of the tests instead, `--simulated` one
+//! that a solver made; `--write FOLDER` only writes the files. The program `untangled` of the same build is run.
 #![allow(clippy::print_stdout, reason = "prints a document")]
 
 mod excess;
+mod formats;
 mod runs;
 mod scene;
 
 use std::{env, path::PathBuf};
 
 use runs::{Whole, killed, parts, whole};
-use scene::Scene;
+use scene::{Scene, Shot};
 use untangled_lab::{
     Failure,
+    simulated_shot::SimulatedShot,
     table::{print_header, print_text},
 };
 use untangled_testkit::shots::FlapShot;
@@ -27,22 +29,36 @@ use untangled_testkit::shots::FlapShot;
 const NUM_KILLS: u32 = 10;
 
 fn main() -> Result<(), Failure> {
-    let (mut shot, mut folder) = (FlapShot::large(), None);
+    let (mut shot, mut option, mut folder) = (None, "", None);
     let mut arguments = env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
-            "--small" => shot = FlapShot::small(),
+            "--small" => shot = Some(Shot::generated(&FlapShot::small())),
+            "--simulated" => (shot, option) = (Some(Shot::simulated(&SimulatedShot::large())?), " -- --simulated"),
             "--write" => folder = arguments.next().map(PathBuf::from),
             other => return Err(format!("{other} is not known").into()),
         }
     }
+    let shot = shot.unwrap_or_else(|| Shot::generated(&FlapShot::large()));
     if let Some(folder) = folder {
-        std::fs::create_dir_all(&folder)?;
         return Scene::write(&folder, &shot).map(|_| ());
     }
+    print_text(&format!(
+        "# Sequences\n\n\
+         {}\n\n\
+         ```sh\n\
+         cargo build --release -p untangled\n\
+         cargo run --release -p untangled-lab --bin sequences_table{option}\n\
+         ```\n",
+        shot.words
+    ));
+    print_shot(&shot)
+}
+
+/// Repairs a shot in all ways, and prints how that went.
+fn print_shot(shot: &Shot) -> Result<(), Failure> {
     let folder = env::temp_dir().join(format!("untangled-sequences-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
-    let scene = Scene::write(&folder, &shot)?;
+    let scene = Scene::write(&folder, shot)?;
     let found = whole(&scene)?;
     print_whole(&scene, &found);
     print_header(&["how the frames were made", "seconds", "bytes"]);
@@ -53,10 +69,20 @@ fn main() -> Result<(), Failure> {
     }
     let (seconds, is_same, kept) = killed(&scene, NUM_KILLS, found.seconds, &found.bytes)?;
     println!("| killed at {NUM_KILLS} moments, and gone on with | {seconds:.1} | {} |", same(is_same));
-    std::fs::remove_dir_all(&folder)?;
     print_text(&format!(
         "\nEach run went on after the frames that the one before had finished, {kept} of them after the last kill.\n"
     ));
+    scene.write_formats(shot)?;
+    print_header(&["the same shot as", "seconds of `fix`", "frames not clean by `check`", "largest difference, nm"]);
+    for format in formats::formats(&scene, &found.bytes)? {
+        let difference = 1e9 * format.max_difference_m;
+        println!("| {} | {:.1} | {} | {difference:.0} |", format.name, format.seconds, format.num_left);
+    }
+    std::fs::remove_dir_all(&folder)?;
+    print_text(
+        "\nDifferences are those of coordinates from the output as PC2, both in single precision. OBJ has what the \
+         others round, and where two ways out are as near, the last bits may choose.\n",
+    );
     Ok(())
 }
 
@@ -67,17 +93,8 @@ fn same(is_same: bool) -> &'static str {
 fn print_whole(scene: &Scene, found: &Whole) {
     let totals = &found.totals;
     let smooth = |name: &str| totals["smoothness"][name].as_f64().unwrap_or(f64::NAN);
-    print_text(&format!(
-        "# Sequences\n\n\
-         A generated cloth, folded once, swings over a moving ball: {} frames, {} triangles, as PC2. In three runs of \
-         frames its layers pass through each other, in one the ball passes through it. Made by\n\n\
-         ```sh\n\
-         cargo build --release -p untangled\n\
-         cargo run --release -p untangled-lab --bin sequences_table > docs/results/sequences.md\n\
-         ```\n",
-        totals["num_frames"], scene.num_faces,
-    ));
     print_header(&["what", "value"]);
+    println!("| frames | {} |\n| triangles | {} |", totals["num_frames"], scene.num_faces);
     println!("| frames that were not clean | {} |", found.num_tangled);
     println!("| frames that are not clean after `fix`, by `fix` | {} |", found.num_left);
     println!("| the same, by `check` of the output | {} |", found.num_left_by_check);

@@ -32,7 +32,7 @@ pub(crate) struct Whole {
     pub(crate) peak_mb: u64,
 }
 
-fn lines(output: &Output) -> Result<Vec<Value>, Failure> {
+pub(crate) fn lines(output: &Output) -> Result<Vec<Value>, Failure> {
     if output.stdout.is_empty() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
     }
@@ -44,12 +44,17 @@ fn parsed(printed: &[u8]) -> Result<Vec<Value>, Failure> {
     Ok(lines?)
 }
 
-fn num_unclean(lines: &[Value], name: &str) -> usize {
+pub(crate) fn num_unclean(lines: &[Value], name: &str) -> usize {
     lines.iter().filter(|line| line[name] == Value::Bool(false)).count()
 }
 
 fn fix(scene: &Scene, out: &str) -> Command {
-    let mut command = scene.command("fix", "cloth.pc2");
+    fix_cache(scene, "cloth.pc2", out)
+}
+
+/// `fix` of the cloth in a cache or stage.
+pub(crate) fn fix_cache(scene: &Scene, cache: &str, out: &str) -> Command {
+    let mut command = scene.command("fix", cache);
     command.args(["-o", out]);
     command
 }
@@ -88,9 +93,9 @@ pub(crate) fn whole(scene: &Scene) -> Result<Whole, Failure> {
 /// The shot with each tangled frame repaired by itself, as a mesh file.
 fn alone(scene: &Scene, output: &[Value], input: &[u8]) -> Result<Vec<u8>, Failure> {
     let mut bytes = input.to_vec();
-    let balls = scene.read("ball.pc2")?;
+    let bodies = scene.read("body.pc2")?;
     for frame in (0..scene.num_frames).filter(|&frame| output[frame]["clean_before"] == Value::Bool(false)) {
-        for (name, cache) in [("cloth", input), ("ball", &balls)] {
+        for (name, cache) in [("cloth", input), ("body", &bodies)] {
             let mesh = read_mesh(scene.folder.join(format!("{name}.obj")))?;
             let num_vertices = mesh.positions().len();
             let positions: Vec<[f64; 3]> =
@@ -99,7 +104,7 @@ fn alone(scene: &Scene, output: &[Value], input: &[u8]) -> Result<Vec<u8>, Failu
         }
         let mut command = Command::new(untangled());
         command.current_dir(&scene.folder).args(["fix", "cloth-1.obj", "-o", "alone.obj", "--overwrite"]);
-        command.args(["--body", "ball-1.obj"]).output()?;
+        command.args(["--body", "body-1.obj"]).output()?;
         let repaired = read_mesh(scene.folder.join("alone.obj"))?;
         let start = HEADER_SIZE + frame * VERTEX_SIZE * scene.num_vertices;
         for (slot, value) in bytes[start..].chunks_mut(4).zip(repaired.positions().as_flattened()) {

@@ -7,7 +7,7 @@ use std::{
     time::Instant,
 };
 
-use untangled_client::Session;
+use untangled_client::{Registration, Session};
 use untangled_proto::{CorrectionHeader, StateHeader, VertexCorrection, correction::stage};
 use untangled_testkit::process::{PATIENCE, Programs, STEP, TestDomain};
 
@@ -15,49 +15,62 @@ use crate::frames::{median, sheet};
 
 const HEADERS: [usize; 2] = [size_of::<StateHeader>(), size_of::<CorrectionHeader>()];
 
-/// Round trip less compute, beside a Unix socket that copies the same bytes: lines of a Markdown table.
+/// Round trip less compute of dense and of sparse corrections, beside a Unix socket that copies the bytes of dense
+/// ones, all in turns: lines of a Markdown table.
 pub(crate) fn round_trips(programs: Programs, echo: fn(&str, usize) -> Command) -> Vec<String> {
     let domain = TestDomain::new();
     let _daemon = programs.start_daemon(&domain);
     let client = domain.connect();
-    let mut lines = vec![
-        "| vertices | round trip us | of it compute us | round trip less compute us | Unix socket us | ratio |"
-            .to_owned(),
-        "|---|---|---|---|---|---|".to_owned(),
-    ];
+    let head = "| vertices | corrections | round trip us | of it compute us | round trip less compute us | Unix socket \
+                us | ratio |";
+    let mut lines = vec![head.to_owned(), "|---|---|---|---|---|---|---|".to_owned()];
     for num_vertices in [1_000, 16_000, 250_000] {
         let (registration, positions) = sheet(num_vertices);
         let n = positions.len();
-        let mut session = client.register(registration).expect("there is room");
+        let mut sessions = [false, true].map(|sparse| {
+            let session = client.register(Registration { sparse, ..registration.clone() }).expect("there is room");
+            assert_eq!(session.is_sparse(), sparse);
+            session
+        });
         let mut socket = Echo::start(echo, n);
         let num_frames = if n > 100_000 { 60 } else { 400 };
-        let times: Vec<[f64; 4]> = (0..num_frames + 20)
-            .map(|_| frame_times(&mut session, &mut socket, &positions))
+        let times: Vec<([Trip; 2], f64)> = (0..num_frames + 20)
+            .map(|_| (sessions.each_mut().map(|session| trip(session, &positions)), socket.exchange(&positions)))
             // The first frames build trees and touch memory.
             .skip(20)
             .collect();
-        let [trip, compute, less, by_socket] =
-            [0, 1, 2, 3].map(|k| median(times.iter().map(|times| times[k]).collect(), 0.5));
-        lines
-            .push(format!("| {n} | {trip:.0} | {compute:.0} | {less:.0} | {by_socket:.0} | {:.2} |", less / by_socket));
+        let socket_us = median(times.iter().map(|(_, socket_us)| *socket_us).collect(), 0.5);
+        for (which, name) in ["dense", "sparse"].into_iter().enumerate() {
+            let middle =
+                |part: fn(&Trip) -> f64| median(times.iter().map(|(trips, _)| part(&trips[which])).collect(), 0.5);
+            let [whole, compute] = [middle(|trip| trip.whole_us), middle(|trip| trip.compute_us)];
+            let less = middle(|trip| trip.whole_us - trip.compute_us);
+            let ratio = less / socket_us;
+            lines.push(format!(
+                "| {n} | {name} | {whole:.0} | {compute:.0} | {less:.0} | {socket_us:.0} | {ratio:.2} |"
+            ));
+        }
     }
     lines
 }
 
-/// Microseconds of a frame's round trip, of its computing, of the round trip without it, and of the same bytes through
-/// a socket.
-fn frame_times(session: &mut Session, socket: &mut Echo, positions: &[[f32; 3]]) -> [f64; 4] {
+/// Microseconds of a frame's round trip, and of its computing.
+struct Trip {
+    whole_us: f64,
+    compute_us: f64,
+}
+
+fn trip(session: &mut Session, positions: &[[f32; 3]]) -> Trip {
     let begin = Instant::now();
     let correction = session.exchange(STEP, PATIENCE, |out| out.copy_from_slice(positions)).expect("an answer");
     // A host reads what it got.
-    let sum: f32 = correction.vertices().iter().map(|vertex| vertex.value[0]).sum();
-    let trip = std::hint::black_box((begin.elapsed(), sum)).0.as_secs_f64() * 1e6;
+    let sum: f32 = match correction.sparse() {
+        Some(entries) => entries.iter().map(|entry| entry.value[0]).sum(),
+        None => correction.vertices().iter().map(|vertex| vertex.value[0]).sum(),
+    };
+    let whole_us = std::hint::black_box((begin.elapsed(), sum)).0.as_secs_f64() * 1e6;
     let stages = &correction.header().stage_ns[stage::INTERSECT..=stage::RESPOND];
-    let computing = stages.iter().sum::<u64>() as f64 / 1e3;
-    drop(correction);
-    let begin = Instant::now();
-    socket.exchange(positions);
-    [trip, computing, trip - computing, begin.elapsed().as_secs_f64() * 1e6]
+    Trip { whole_us, compute_us: stages.iter().sum::<u64>() as f64 / 1e3 }
 }
 
 /// A process that answers states with corrections of zeros over a Unix socket.
@@ -81,12 +94,15 @@ impl Echo {
         Self { stream, child, out: vec![0; state], answer }
     }
 
-    fn exchange(&mut self, positions: &[[f32; 3]]) {
+    /// Microseconds of a state and its answer.
+    fn exchange(&mut self, positions: &[[f32; 3]]) -> f64 {
+        let begin = Instant::now();
         self.out.truncate(HEADERS[0]);
         self.out.extend(positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
         self.stream.write_all(&self.out).expect("the child reads");
         self.stream.read_exact(&mut self.answer).expect("the child answers");
         std::hint::black_box(&self.answer);
+        begin.elapsed().as_secs_f64() * 1e6
     }
 }
 

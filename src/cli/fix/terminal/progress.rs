@@ -1,47 +1,29 @@
-//! The progress line of a relaxation.
-
-use std::{
-    io::{self, Write},
-    time::{Duration, Instant},
-};
-
-use indicatif::{ProgressBar, ProgressStyle};
+//! The progress of a relaxation.
 
 use untangle::relax::Iteration;
 
-use crate::cli::wording::name_of;
+use crate::cli::{progress_line::ProgressLine, wording::name_of};
 
-/// One line on standard error, if that is a terminal, which is cleared at the end; else a line every few seconds.
+/// What a repair is doing, in the line of the command.
 #[derive(Debug)]
 pub(crate) struct Progress {
-    bar: ProgressBar,
+    line: ProgressLine,
     num_iterations: usize,
-    last_line: Instant,
-    is_silent: bool,
 }
-
-/// Time between two lines where standard error is no terminal.
-const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
 impl Progress {
     pub(crate) fn new() -> Self {
-        // indicatif hides the line where standard error is not a terminal.
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Self { bar, num_iterations: 0, last_line: Instant::now(), is_silent: false }
+        Self { line: ProgressLine::new(), num_iterations: 0 }
     }
 
     /// Of one of several repairs side by side, which share a line of their own.
     pub(crate) fn silent() -> Self {
-        Self { bar: ProgressBar::hidden(), num_iterations: 0, last_line: Instant::now(), is_silent: true }
+        Self { line: ProgressLine::hidden(), num_iterations: 0 }
     }
 
     /// Shows the current stage.
     pub(crate) fn say(&self, what: &'static str) {
-        self.bar.set_message(what);
+        self.line.set(what.to_owned());
     }
 
     /// Shows the state after an iteration.
@@ -54,18 +36,6 @@ impl Progress {
             || format!("{num_edge_face_intersections} edge-face intersections, paths of {path_length_m:.4} m"),
             |count| format!("{count} primitive pairs too close"),
         );
-        let line = format!("iteration {}: {state} ({})", self.num_iterations, name_of(method));
-        if self.bar.is_hidden() && !self.is_silent && self.last_line.elapsed() >= BETWEEN_LINES {
-            self.last_line = Instant::now();
-            // Nobody may be there to read it.
-            let _ = writeln!(io::stderr(), "untangled: {line}");
-        }
-        self.bar.set_message(line);
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        self.line.set(format!("iteration {}: {state} ({})", self.num_iterations, name_of(method)));
     }
 }

@@ -18,7 +18,10 @@ mod passes;
 mod report;
 mod single;
 
-use std::io::{self, Write};
+use std::{
+    io::{self, Write},
+    sync::Arc,
+};
 
 use untangle::coherence::RoughnessMeter;
 
@@ -76,7 +79,11 @@ pub fn fix(args: &FixArgs) -> Result<Outcome, SequenceError> {
     if next <= *shot.part.end() {
         let (frames, part) = (shot.cache.frames(), next..=*shot.part.end());
         let pipeline = Pipeline { frames, part, num_stages: NUM_SPREADS + 1, window: FADE.num_frames };
-        let work = |number: usize, frame: u64, window: &_| repairer.pass(number, frame, window);
+        let progress = Arc::clone(&run.progress);
+        let work = |number: usize, frame: u64, window: &_| {
+            progress.begin(number, frame);
+            repairer.pass(number, frame, window)
+        };
         pipeline.run(&work, &mut |frame, pass: &Pass| run.take(frame, pass))?;
     }
     run.finish(args, report, &interrupt)
@@ -143,7 +150,7 @@ struct Run<'a> {
     shot: &'a Shot,
     output: Output,
     journal: Journal,
-    progress: FrameProgress,
+    progress: Arc<FrameProgress>,
     meter: RoughnessMeter,
     totals: Totals,
     /// All lines, for the report.
@@ -170,7 +177,7 @@ impl<'a> Run<'a> {
             shot,
             output,
             journal,
-            progress: FrameProgress::new(last_frame - first_frame + 1),
+            progress: Arc::new(FrameProgress::new(last_frame - first_frame + 1, NUM_SPREADS + 1)),
             meter: RoughnessMeter::new(FADE, largest * f64::from(f32::EPSILON)),
             totals,
             lines: String::new(),

@@ -1,8 +1,9 @@
-//! Frames of a daemon: `regions` (what is inside of which path), `frame` (one frame as a message for the page), and
-//! here the daemon and its sessions.
+//! Frames of a daemon: `wrong` (cloth on the wrong side of bodies and layers), `lines` (paths as lines, and what is
+//! known of them), `frame` (one frame as a message for the page), and here the daemon and its sessions.
 
 mod frame;
-mod regions;
+mod lines;
+mod wrong;
 
 use std::{sync::Arc, time::Duration};
 
@@ -15,8 +16,8 @@ use super::{
     source::{Feed, SessionLine, Source},
 };
 
-/// How long a daemon may take to answer.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// How long a daemon may take to answer: on a busy machine longer than it takes to say that there is none.
+const PATIENCE: Duration = Duration::from_secs(5);
 /// The role of a vertex of a body; those of others are their layers, counted from 0.
 const BODY: u8 = 255;
 

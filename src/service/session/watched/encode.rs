@@ -1,9 +1,9 @@
 //! The view of a frame as bytes.
 
-use untangle::{analysis::Analysis, frame::Frame, untangler::Outcome};
+use untangle::{analysis::Analysis, frame::Frame, mesh::VertexId, untangler::Outcome};
 use untangled_proto::{
     CorrectionHeader,
-    view::{POSITION_BYTES, ViewHeader, path_state},
+    view::{InsideEntry, POSITION_BYTES, ViewHeader, path_state},
 };
 
 use super::records;
@@ -19,8 +19,18 @@ pub(in crate::service::session) struct View<'a> {
     pub(in crate::service::session) found: Option<(&'a Outcome<'a>, &'a Values<'a>)>,
 }
 
-/// Writes a view into `bytes`; `states` is memory. Gives back its header, without count and time.
-pub(super) fn encode(view: &View<'_>, bytes: &mut Vec<u8>, states: &mut Vec<u32>) -> ViewHeader {
+/// Memory for what becomes of each pair of paths.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    states: Vec<u32>,
+    depths_m: Vec<f64>,
+    /// Vertices of the host, where these are welded.
+    inside: Vec<VertexId>,
+}
+
+/// Writes a view into `bytes`. Gives back its header, without count and time.
+pub(super) fn encode(view: &View<'_>, bytes: &mut Vec<u8>, memory: &mut Memory) -> ViewHeader {
+    let Memory { states, depths_m, inside } = memory;
     bytes.clear();
     let mut header = ViewHeader { correction: *view.correction, ..ViewHeader::default() };
     if let Some((outcome, values)) = view.found {
@@ -34,6 +44,10 @@ pub(super) fn encode(view: &View<'_>, bytes: &mut Vec<u8>, states: &mut Vec<u32>
     }
     if let Some(frame) = view.frame {
         header.num_positions = write_positions(view.cloth, frame, bytes);
+        if let Some((outcome, _)) = view.found {
+            header.num_inside = write_inside(view.cloth, outcome.analysis, inside, bytes);
+            header.num_depths = write_depths(outcome, frame, depths_m, bytes);
+        }
     }
     header
 }
@@ -52,6 +66,36 @@ fn write_positions(cloth: &Cloth, frame: &Frame, bytes: &mut Vec<u8>) -> u32 {
         }
     }
     u32::try_from(n).unwrap_or(u32::MAX)
+}
+
+/// Writes the host's vertices inside of each path with its pair; how many there are. `host` is memory.
+fn write_inside(cloth: &Cloth, analysis: &Analysis, host: &mut Vec<VertexId>, bytes: &mut Vec<u8>) -> u32 {
+    let mut count = 0;
+    for (copy, path) in analysis.paths.copies.iter().enumerate() {
+        let pair = u32::try_from(path.pair).unwrap_or(u32::MAX);
+        for &VertexId(vertex) in cloth.host_vertices(analysis.regions.vertices_of(copy), host) {
+            bytes.extend_from_slice(&InsideEntry { vertex, pair }.to_bytes());
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Writes for each pair how far the farthest point inside is from its target; how many pairs there are.
+fn write_depths(outcome: &Outcome<'_>, frame: &Frame, depths_m: &mut Vec<f64>, bytes: &mut Vec<u8>) -> u32 {
+    let (paths, found) = (&outcome.analysis.paths, outcome.correspondences);
+    depths_m.clear();
+    depths_m.resize(paths.pairs.len(), 0.0);
+    for path in &found.paths {
+        let depth_m = &mut depths_m[paths.copies[path.copy].pair];
+        for attraction in &found.attractions[path.attractions.clone()] {
+            let way = attraction.target.position(frame) - attraction.source.position(frame);
+            *depth_m = depth_m.max(way.norm());
+        }
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "single precision is enough to look at")]
+    bytes.extend(depths_m.iter().flat_map(|&depth_m| (depth_m as f32).to_le_bytes()));
+    u32::try_from(depths_m.len()).unwrap_or(u32::MAX)
 }
 
 /// What became of each pair of paths. Those that were left out are the last in the order of work.

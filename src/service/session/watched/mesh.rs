@@ -7,8 +7,9 @@ use untangled_proto::{
 
 use crate::service::session::cloth::Cloth;
 
-/// The number of its sections, 8 bytes, and these: parameters, triangles, and bodies, pins and layers where there are
-/// such. All by the host's vertices; a corner on a welded seam is the lowest of those in its place.
+/// The number of its sections, 8 bytes, and these: parameters, triangles, and bodies, pins, layers, and what is
+/// outwards of these where there are such. All by the host's vertices; a corner on a welded seam is the lowest of those
+/// in its place.
 pub(in crate::service::session) fn mesh_bytes(
     cloth: &Cloth,
     precision: Precision,
@@ -41,6 +42,9 @@ pub(in crate::service::session) fn mesh_bytes(
     if let Some(layers) = mesh.layers() {
         let layers: Vec<[u32; 1]> = (0..n).map(|index| [layers[cloth.mesh_vertex(index).index()]]).collect();
         writer.u32s(id::LAYERS, &layers);
+    }
+    if let Some(outwards) = mesh.outwards() {
+        writer.bytes(id::OUTWARDS, outwards.iter().map(|&is_outwards| u8::from(is_outwards)).collect());
     }
     let (payload, num_sections) = writer.finish();
     [&u64::from(num_sections).to_le_bytes()[..], &payload].concat()

@@ -18,7 +18,7 @@ use untangled_transport::{
 
 use super::{
     desk::ViewDesk,
-    encode::{View, encode},
+    encode::{Memory, View, encode},
 };
 use crate::service::error::ServeError;
 
@@ -32,7 +32,7 @@ const INTERVAL: Duration = Duration::from_millis(20);
 pub(in crate::service::session) struct ViewPort {
     publisher: Option<Publisher<Ipc, [u8], ViewHeader>>,
     bytes: Vec<u8>,
-    states: Vec<u32>,
+    memory: Memory,
     /// Frames that were answered so far.
     num_frames: u64,
     /// When the last correction had been sent.
@@ -47,7 +47,7 @@ impl ViewPort {
         Self {
             publisher: None,
             bytes: Vec::new(),
-            states: Vec::new(),
+            memory: Memory::default(),
             num_frames: 0,
             sent: Duration::ZERO,
             published: None,
@@ -89,11 +89,11 @@ impl ViewPort {
     }
 
     fn publish_now(&mut self, view: &View<'_>) {
-        let Self { publisher, bytes, states, num_frames, sent, desk, .. } = self;
+        let Self { publisher, bytes, memory, num_frames, sent, desk, .. } = self;
         let Some(views) = desk.views() else { return };
         desk.clear();
         let sent_ns = u64::try_from(sent.as_nanos()).unwrap_or(u64::MAX);
-        let header = ViewHeader { num_frames: *num_frames, sent_ns, ..encode(view, bytes, states) };
+        let header = ViewHeader { num_frames: *num_frames, sent_ns, ..encode(view, bytes, memory) };
         match send(publisher, views, view.cloth.num_vertices(), header, bytes) {
             Ok(()) => desk.announce(),
             Err(error) => {

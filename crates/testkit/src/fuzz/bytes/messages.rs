@@ -1,10 +1,14 @@
-//! Corrections and paths, as clients read them.
+//! Corrections, paths and views, as clients read them.
 
-use untangled_client::ContactFilter;
+use untangled_client::{
+    ContactFilter,
+    observe::{Observation, ObservedMesh},
+};
 use untangled_proto::{
     CorrectionHeader, VertexEntry, VertexLabel,
     correction::sparse::{ENTRY_WORDS, LABEL_WORDS},
     paths::{PathPoint, PathRecord, PathsHeader},
+    view::{InsideEntry, ViewHeader},
 };
 
 /// Most vertices of a session, so that many labels meet.
@@ -102,5 +106,35 @@ pub(super) fn paths(bytes: &[u8]) -> bool {
         let fits = u64::from(record.first_point) + u64::from(record.num_points) <= points.len() as u64;
         assert_eq!(own.len(), if fits { record.num_points as usize } else { 0 }, "{record:?}");
     }
+    true
+}
+
+/// Numbers of vertices and of the elements of each part, one byte each, and the payload of a view. What is accepted
+/// comes back, and names nothing that is not there.
+pub(super) fn view(bytes: &[u8]) -> bool {
+    let Some((&[num_vertices, ref counts @ ..], rest)) = bytes.split_first_chunk::<7>() else { return false };
+    let [num_paths, num_points, num_entries, num_positions, num_inside, num_depths] =
+        counts.map(|count| if count == u8::MAX { u32::MAX } else { count.into() });
+    let header = ViewHeader {
+        num_paths,
+        num_points,
+        num_entries,
+        num_positions,
+        num_inside,
+        num_depths,
+        ..ViewHeader::default()
+    };
+    let mesh = ObservedMesh { num_vertices: num_vertices.into(), ..ObservedMesh::default() };
+    let Ok(seen) = Observation::read(header, rest, &mesh) else { return false };
+    let parts = header.split(rest).expect("what is accepted is as long as it says");
+    let paths = parts.records().flat_map(PathRecord::to_bytes).chain(parts.points().flat_map(PathPoint::to_bytes));
+    let words = parts.entries().flat_map(|entry| entry.to_words().map(u32::to_le_bytes)).flatten();
+    let positions = parts.positions().flatten().flat_map(f32::to_le_bytes);
+    let inside = parts.inside().flat_map(InsideEntry::to_bytes).chain(parts.depths().flat_map(f32::to_le_bytes));
+    assert!(paths.chain(words).chain(positions).chain(inside).eq(rest.iter().copied()), "bytes come back");
+    let num_pairs = seen.paths().records.iter().map(|record| record.pair as usize + 1).max().unwrap_or(0);
+    assert!(num_pairs <= seen.paths().records.len());
+    assert!(seen.depths_m.is_empty() || seen.depths_m.len() == num_pairs);
+    assert!(seen.inside.iter().all(|own| own.vertex < num_vertices.into() && (own.pair as usize) < num_pairs));
     true
 }

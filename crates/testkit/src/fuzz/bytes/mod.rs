@@ -28,7 +28,7 @@ pub struct ByteTarget {
 }
 
 /// All of them, but for those of the bridge.
-pub const TARGETS: [ByteTarget; 13] = [
+pub const TARGETS: [ByteTarget; 14] = [
     ByteTarget { name: "obj", read: files::obj, seeds: seeds::obj },
     ByteTarget { name: "ply", read: files::ply, seeds: seeds::ply },
     ByteTarget { name: "stl", read: files::stl, seeds: seeds::stl },
@@ -41,6 +41,7 @@ pub const TARGETS: [ByteTarget; 13] = [
     ByteTarget { name: "state", read: states::state, seeds: seeds::clouds },
     ByteTarget { name: "correction", read: messages::correction, seeds: seeds::corrections },
     ByteTarget { name: "paths", read: messages::paths, seeds: seeds::paths },
+    ByteTarget { name: "view", read: messages::view, seeds: seeds::views },
     ByteTarget { name: "relax", read: relaxation::relax_cloud, seeds: seeds::clouds },
 ];
 

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use untangled_proto::{
     VertexEntry,
     paths::{PathPoint, PathRecord},
+    view::InsideEntry,
 };
 
 use super::{
@@ -145,4 +146,23 @@ pub(super) fn paths() -> Vec<Vec<u8>> {
         bytes
     };
     vec![message(&[]), message(&[2]), message(&[3, 1])]
+}
+
+/// Views of three vertices: of a frame that can't be used, a clean one, and one with a pair of paths.
+pub(super) fn views() -> Vec<Vec<u8>> {
+    let positions: Vec<u8> = (0..9u8).flat_map(|k| f32::from(k).to_le_bytes()).collect();
+    let record = |partner| PathRecord { partner, num_points: 2, state: 1, ..PathRecord::default() }.to_bytes();
+    let point = |k: u8| PathPoint { position_m: corner(k), faces: [0, 1] }.to_bytes();
+    let entry = VertexEntry { vertex: 1, value: [0.5, 0.0, -1.0], flags: 3 }.to_words().map(u32::to_le_bytes);
+    let inside = InsideEntry { vertex: 1, pair: 0 }.to_bytes();
+    let paths = [record(1), record(0), point(0), point(1)];
+    let tangled = [
+        &[3, 2, 2, 1, 3, 1, 1],
+        paths.as_flattened(),
+        entry.as_flattened(),
+        &positions,
+        &inside,
+        &0.25f32.to_le_bytes(),
+    ];
+    vec![vec![3, 0, 0, 0, 0, 0, 0], [&[3, 0, 0, 0, 3, 0, 0], &positions[..]].concat(), tangled.concat()]
 }

@@ -25,7 +25,8 @@ mod traverse;
 mod tree;
 mod within_margin;
 
-pub(crate) use aabb::{Aabb, AabbX8, WIDTH};
+pub(crate) use aabb::WIDTH;
+pub(super) use aabb::min;
 pub(crate) use adjacency::MAX_ADJACENT_FACES;
 pub(crate) use refit::POINT_F32_ERROR;
 pub(crate) use single_map::PointF32;

@@ -73,11 +73,6 @@ impl Bvh {
         is_new
     }
 
-    /// A node of the leaves' level: the places of its faces are `8 node .. 8 node + 8`.
-    pub(crate) fn leaf_nodes(pair: NodePair) -> [u32; 2] {
-        pair.nodes
-    }
-
     /// The root against itself; none without faces.
     pub(super) fn root_pair(&self) -> Option<NodePair> {
         let level = self.levels.len().checked_sub(1).filter(|_| !self.order.is_empty())?;

@@ -1,9 +1,9 @@
 //! Pairs within a margin of each other: for separation certificates that are to last, and for distances.
 
-use rayon::prelude::*;
+use std::ops::Range;
 
 use super::{
-    aabb::{Aabb, AabbX8, FAR_ROUNDING, WIDTH, max, min},
+    aabb::{Aabb, AabbX8, WIDTH, max},
     traverse::{ABOVE_DIAGONAL, DIAGONAL},
     tree::{Bvh, NodePair},
 };
@@ -30,68 +30,71 @@ impl Bvh {
         }
     }
 
-    /// A box that is larger by a [margin](Self::margin_f32) on every side, and by what rounds far coordinates.
-    #[inline(always)]
-    pub(crate) fn inflated(&self, aabb: &Aabb, margin: f32) -> Aabb {
-        let rounding = if self.has_far { FAR_ROUNDING } else { 0.0 };
-        let grown = |value: f32| margin + rounding * value.abs();
-        Aabb {
-            min: std::array::from_fn(|axis| max(aabb.min[axis] - grown(aabb.min[axis]), f32::MIN)),
-            max: std::array::from_fn(|axis| min(aabb.max[axis] + grown(aabb.max[axis]), f32::MAX)),
-        }
+    /// The number of leaves.
+    pub(crate) fn num_leaves(&self) -> usize {
+        self.faces().len().div_ceil(WIDTH)
     }
 
-    /// The boxes of the faces of a leaf.
-    #[inline(always)]
-    pub(crate) fn face_boxes(&self, leaf: u32) -> &AabbX8 {
-        &self.levels[0][leaf as usize]
+    /// The places of the faces of a leaf.
+    pub(crate) fn leaf_places(&self, leaf: usize) -> Range<u32> {
+        let place = |place: usize| u32::try_from(place.min(self.faces().len())).expect("no more faces than ids");
+        place(WIDTH * leaf)..place(WIDTH * (leaf + 1))
     }
 
-    /// The leaves, each against itself.
-    pub(crate) fn leaves_with_themselves(&self) -> impl IndexedParallelIterator<Item = NodePair> {
-        let num_leaves = u32::try_from(self.levels[0].len()).expect("fewer leaves than faces");
-        (0..num_leaves).into_par_iter().map(|leaf| NodePair { level: 0, nodes: [leaf, leaf] })
-    }
-
-    /// Goes down from the pairs of nodes on the stack, and calls `found` once for each pair of nodes of a level, the
-    /// first not after the second, whose boxes come within a [margin](Self::margin_f32) of each other. Pairs whose
-    /// faces share a vertex are among them, those of two bodies are not.
+    /// Goes on with a traversal of pairs of nodes, those on the stack, and appends each pair of faces below them whose
+    /// boxes come within a [margin](Self::margin_f32) of each other once, except for those that share a vertex. Ends
+    /// with `max_pairs` and a few more, or after as many visits. Faces are named by their places in the order of the
+    /// tree.
     #[inline(always)]
-    pub(crate) fn near_nodes(
+    pub(crate) fn near_faces(
         &self,
         simd: impl InstructionSet,
         margin: f32,
-        end_level: usize,
         stack: &mut Vec<NodePair>,
-        mut found: impl FnMut(NodePair),
+        max_pairs: usize,
+        found: &mut Vec<[u32; 2]>,
     ) {
-        while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
+        let mut num_visits = 0;
+        while found.len() < max_pairs && num_visits < max_pairs {
+            let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() else { break };
+            num_visits += 1;
             if self.are_bodies(level, a, b) {
-                continue;
-            }
-            if level <= end_level {
-                found(pair);
                 continue;
             }
             let mut pairs = self.near_slots(simd, margin, pair);
             if a == b {
-                pairs &= ABOVE_DIAGONAL | DIAGONAL;
+                pairs &= if level == 0 { ABOVE_DIAGONAL } else { ABOVE_DIAGONAL | DIAGONAL };
             }
+            if level > 0 {
+                push_children(pair, pairs, stack);
+                continue;
+            }
+            pairs &= !self.adjacency.mask(a, b);
             while pairs != 0 {
                 let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
                 pairs &= pairs - 1;
-                stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
+                found.push([8 * a + slot, 8 * b + other]);
             }
         }
     }
 
-    /// Starts a traversal from the root: puts pairs of subtrees on the list that can be traversed independently, the
-    /// nodes of the topmost level with at least `min_nodes`.
+    /// Starts a traversal from the root: puts pairs of subtrees on the list that can be traversed independently, nodes
+    /// of the topmost level with at least `min_nodes` whose boxes come within a [margin](Self::margin_f32).
     pub(crate) fn near_subtrees(&self, margin: f32, min_nodes: usize, pairs: &mut Vec<NodePair>) {
         pairs.clear();
         let end_level = (0..self.levels.len()).rev().find(|&level| self.levels[level].len() >= min_nodes).unwrap_or(0);
         let mut stack: Vec<NodePair> = self.root_pair().into_iter().collect();
-        self.near_nodes(Portable, margin, end_level, &mut stack, |pair| pairs.push(pair));
+        while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
+            if level <= end_level {
+                pairs.push(pair);
+            } else if !self.are_bodies(level, a, b) {
+                let mut children = self.near_slots(Portable, margin, pair);
+                if a == b {
+                    children &= ABOVE_DIAGONAL | DIAGONAL;
+                }
+                push_children(pair, children, &mut stack);
+            }
+        }
     }
 
     /// Bit `8 i + k` for each pair of child `i` of the first node and child `k` of the second whose boxes come within
@@ -122,7 +125,7 @@ impl Bvh {
         stack.clear();
         stack.push(root_pair);
         let mut num_visits = 0;
-        while let Some(NodePair { level, nodes: [a, b] }) = stack.pop() {
+        while let Some(pair @ NodePair { level, nodes: [a, b] }) = stack.pop() {
             num_visits += 1;
             if num_visits > max_visits {
                 return false;
@@ -139,11 +142,7 @@ impl Bvh {
             if a == b {
                 pairs &= ABOVE_DIAGONAL | DIAGONAL;
             }
-            while pairs != 0 {
-                let (slot, other) = (pairs.trailing_zeros() / 8, pairs.trailing_zeros() % 8);
-                pairs &= pairs - 1;
-                stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
-            }
+            push_children(pair, pairs, stack);
         }
         true
     }
@@ -209,5 +208,15 @@ impl Bvh {
             boxes.set(slot, Aabb::of_triangle([&a, &b, &c]));
         }
         boxes
+    }
+}
+
+/// Puts pairs of children of two nodes on the stack, by their slots.
+#[inline(always)]
+fn push_children(NodePair { level, nodes: [a, b] }: NodePair, mut slots: u64, stack: &mut Vec<NodePair>) {
+    while slots != 0 {
+        let (slot, other) = (slots.trailing_zeros() / 8, slots.trailing_zeros() % 8);
+        slots &= slots - 1;
+        stack.push(NodePair { level: level - 1, nodes: [8 * a + slot, 8 * b + other] });
     }
 }

@@ -52,7 +52,7 @@ fn area_error<L: F32x8Lanes>(simd: L, max_abs: L::Vector) -> L::Vector {
 }
 
 /// For each star the axis along which it is seen.
-struct Axis<V> {
+pub(super) struct Axis<V> {
     /// Above zero where it is the first axis, and where it is the second.
     is: [V; 2],
     /// Minus one where the star is seen from behind, else one.
@@ -61,7 +61,7 @@ struct Axis<V> {
 
 impl<V: Copy> Axis<V> {
     #[inline(always)]
-    fn nearest_to<L: F32x8Lanes<Vector = V>>(simd: L, direction: [V; 3]) -> Self {
+    pub(super) fn nearest_to<L: F32x8Lanes<Vector = V>>(simd: L, direction: [V; 3]) -> Self {
         let [x, y, z] = [simd.abs(direction[0]), simd.abs(direction[1]), simd.abs(direction[2])];
         let is_x = simd.sub(x, simd.max(y, z));
         let is_y = simd.sub(y, simd.max(x, z));
@@ -71,7 +71,7 @@ impl<V: Copy> Axis<V> {
 
     /// The coordinates of a point at right angles to the axis.
     #[inline(always)]
-    fn project<L: F32x8Lanes<Vector = V>>(&self, simd: L, [x, y, z]: [V; 3]) -> [V; 2] {
+    pub(super) fn project<L: F32x8Lanes<Vector = V>>(&self, simd: L, [x, y, z]: [V; 3]) -> [V; 2] {
         let [is_x, is_y] = self.is;
         let first = simd.select(is_x, y, simd.select(is_y, z, x));
         let second = simd.select(is_x, z, simd.select(is_y, x, y));

@@ -32,36 +32,66 @@ use vector::{Point, difference};
 /// Cost: some hundred floating-point operations nearly always; tens of microseconds near ties.
 #[must_use]
 pub fn is_vertex_nearer(vertex: Point, face: [Point; 3], distance_m: f64) -> bool {
-    let differences = face.map(|corner| difference(vertex, corner));
-    !are_middles_apart(&differences, distance_m)
-        && decide(&differences, vertex_face_weights(vertex, face), distance_m)
-            .unwrap_or_else(|| exact::is_vertex_nearer(vertex, face, distance_m))
+    vertex_distance_below(vertex, face, distance_m).is_some()
 }
 
 /// Whether the distance of two segments is less than `distance_m`; see [`is_vertex_nearer`].
 #[must_use]
 pub fn are_edges_nearer(first: [Point; 2], second: [Point; 2], distance_m: f64) -> bool {
+    edge_distance_below(first, second, distance_m).is_some()
+}
+
+/// The rounded distance of a point and a triangle, if it is less than `below_m`; see [`is_vertex_nearer`].
+pub(crate) fn vertex_distance_below(vertex: Point, face: [Point; 3], below_m: f64) -> Option<f64> {
+    let differences = face.map(|corner| difference(vertex, corner));
+    if are_middles_apart(&differences, below_m) {
+        return None;
+    }
+    let weights = vertex_face_weights(vertex, face);
+    let is_below = decide(&differences, weights, below_m);
+    is_below.unwrap_or_else(|| exact::is_vertex_nearer(vertex, face, below_m)).then(|| {
+        let unit = unit(&differences);
+        // Whole powers of two change no weight but where something under- or overflows.
+        let weights =
+            if unit.to_bits() == 1f64.to_bits() { weights } else { scaled_vertex_face_weights(vertex, face, unit) };
+        certificate::distance(&differences, weights)
+    })
+}
+
+/// The rounded distance of two segments, if it is less than `below_m`; see [`is_vertex_nearer`].
+pub(crate) fn edge_distance_below(first: [Point; 2], second: [Point; 2], below_m: f64) -> Option<f64> {
     let differences = edge_differences(first, second);
-    !are_middles_apart(&differences, distance_m)
-        && decide(&differences, edge_weights(first, second), distance_m)
-            .unwrap_or_else(|| exact::are_edges_nearer(first, second, distance_m))
+    if are_middles_apart(&differences, below_m) {
+        return None;
+    }
+    let weights = edge_weights(first, second);
+    let is_below = decide(&differences, weights, below_m);
+    is_below.unwrap_or_else(|| exact::are_edges_nearer(first, second, below_m)).then(|| {
+        let unit = unit(&differences);
+        let weights = if unit.to_bits() == 1f64.to_bits() { weights } else { scaled_edge_weights(first, second, unit) };
+        certificate::distance(&differences, weights)
+    })
 }
 
 /// The distance of a point and a triangle, in metres, rounded: off by some units in the last place of the largest
 /// difference of coordinates, and for faces of next to no area by up to 1e-6 of that.
 pub(crate) fn vertex_face_distance(vertex: Point, face: [Point; 3]) -> f64 {
     let differences = face.map(|corner| difference(vertex, corner));
-    let unit = unit(&differences);
-    let weights = vertex_face_weights(scaled(vertex, unit), face.map(|corner| scaled(corner, unit)));
-    certificate::distance(&differences, weights)
+    certificate::distance(&differences, scaled_vertex_face_weights(vertex, face, unit(&differences)))
 }
 
 /// The distance of two segments, in metres, rounded in the same way; up to 1e-6 where they are nearly parallel.
 pub(crate) fn edge_edge_distance(first: [Point; 2], second: [Point; 2]) -> f64 {
     let differences = edge_differences(first, second);
-    let unit = unit(&differences);
-    let weights = edge_weights(first.map(|end| scaled(end, unit)), second.map(|end| scaled(end, unit)));
-    certificate::distance(&differences, weights)
+    certificate::distance(&differences, scaled_edge_weights(first, second, unit(&differences)))
+}
+
+fn scaled_vertex_face_weights(vertex: Point, face: [Point; 3], unit: f64) -> [f64; 3] {
+    vertex_face_weights(scaled(vertex, unit), face.map(|corner| scaled(corner, unit)))
+}
+
+fn scaled_edge_weights(first: [Point; 2], second: [Point; 2], unit: f64) -> [f64; 4] {
+    edge_weights(first.map(|end| scaled(end, unit)), second.map(|end| scaled(end, unit)))
 }
 
 /// A power of two by which products of four lengths neither under- nor overflow; nearly always 1.

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// All pairs of primitives without a common vertex.
-fn all_pairs(mesh: &Mesh) -> Vec<Primitives> {
+pub(super) fn all_pairs(mesh: &Mesh) -> Vec<Primitives> {
     let mut pairs = Vec::new();
     let used = |face: &_| mesh.face_edges(*face).is_some();
     for vertex in mesh.vertex_ids().filter(|&vertex| !mesh.vertex_faces(vertex).is_empty()) {

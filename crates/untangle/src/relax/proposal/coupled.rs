@@ -58,8 +58,9 @@ struct State {
 }
 
 impl Coupled {
-    /// Finds the displacement of a frame. Pinned vertices don't move, nor do islands that nothing makes better. False
-    /// where time was up before a step was judged.
+    /// Looks for the displacement of a frame, for [`finish`](Self::finish) to take. Pinned vertices don't move, nor do
+    /// islands that nothing makes better. Gives back the merit of where it leads; nothing where time was up before a
+    /// step was judged.
     ///
     /// The displacement is made in steps, as `fix` makes them, until nothing intersects, a step hardly helps, or time
     /// is up. Momentum is not kept.
@@ -72,7 +73,7 @@ impl Coupled {
         found: &Correspondences,
         settings: &Settings,
         should_stop: &dyn Fn() -> bool,
-    ) -> bool {
+    ) -> Option<f64> {
         let Scene { mesh, frame, .. } = *scene;
         let (rest, limits) = (RestShape::of(mesh, frame), StrainLimits::of(mesh, frame));
         self.positions.clear();
@@ -95,7 +96,7 @@ impl Coupled {
             };
             if !trials.run(scene, &begin, should_stop) {
                 if is_first && should_stop() {
-                    return false;
+                    return None;
                 }
                 break;
             }
@@ -109,16 +110,27 @@ impl Coupled {
                 break;
             }
         }
-        if merit > MOST_LEFT * scene.now.all.merit() && !should_stop() {
-            self.relax(scene, merit, settings, should_stop);
-        }
+        Some(merit)
+    }
+
+    /// Takes the displacement that was found. Where the least merit of all that was tried is hardly less than that of
+    /// the frame, the frame is relaxed by all means first. False where what was found leads to more than that merit.
+    pub(super) fn finish(
+        &mut self,
+        scene: &Scene<'_>,
+        [found, least]: [f64; 2],
+        settings: &Settings,
+        should_stop: &dyn Fn() -> bool,
+    ) -> bool {
+        let is_no_help = least > MOST_LEFT * scene.now.all.merit() && !should_stop();
+        let is_relaxed = is_no_help && self.relax(scene, least, settings, should_stop);
         self.take(scene);
-        true
+        is_relaxed || found <= least
     }
 
     /// Relaxes the frame as `fix` does, in few iterations, and takes the state that this ends in if it is less tangled
-    /// than a merit.
-    fn relax(&mut self, scene: &Scene<'_>, merit: f64, settings: &Settings, should_stop: &dyn Fn() -> bool) {
+    /// than a merit; whether it is.
+    fn relax(&mut self, scene: &Scene<'_>, merit: f64, settings: &Settings, should_stop: &dyn Fn() -> bool) -> bool {
         let Scene { mesh, frame, precision, .. } = *scene;
         let single_precision = precision == Precision::Sent { is_single: true };
         let relax_settings = RelaxSettings {
@@ -130,12 +142,16 @@ impl Coupled {
         let positions: Vec<[f64; 3]> = frame.positions().iter().map(|point| (*point).into()).collect();
         let mut progress =
             |_: &Iteration| if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let Ok(solution) = solve(mesh, &positions, &relax_settings, &mut progress, &|| false) else { return };
+        let Ok(solution) = solve(mesh, &positions, &relax_settings, &mut progress, &|| false) else {
+            return false;
+        };
         self.relaxed = solution.positions;
         let after = self.state.reach(scene, &self.relaxed, settings, should_stop);
-        if after.is_some_and(|after| after < merit) {
+        let is_better = after.is_some_and(|after| after < merit);
+        if is_better {
             self.positions.clone_from(&self.relaxed);
         }
+        is_better
     }
 
     /// Takes what moved.

@@ -6,7 +6,7 @@ use super::judge::{Judge, Judgement, Merits};
 use crate::{
     frame::Frame,
     intersect::SearchLimits,
-    mesh::Mesh,
+    mesh::{Mesh, VertexId},
     relax::{
         energy::Domain,
         step::{Backtracking, Damping, Islands, Precision, sent},
@@ -48,6 +48,16 @@ pub(super) struct LineSearch {
     positions: Vec<Point3<f64>>,
     is_worse: Vec<bool>,
     damped: Vec<usize>,
+    /// Where the displacement that was shortened last leads.
+    pub(super) standing: Standing,
+}
+
+/// How tangled a state is that a displacement leads to.
+#[derive(Debug, Default)]
+pub(super) struct Standing {
+    pub(super) merit: f64,
+    /// For each island whether nothing intersects there any more; empty where nothing moves, or it was not judged.
+    cleared: Vec<bool>,
 }
 
 impl LineSearch {
@@ -67,6 +77,8 @@ impl LineSearch {
         self.damping.reset(vertices.len());
         self.positions.clear();
         self.positions.extend_from_slice(frame.positions());
+        self.standing.cleared.clear();
+        self.standing.merit = scene.now.all.merit();
         for round in 0..BACKTRACKING.num_rounds() {
             if should_stop() {
                 return Verdict::Unjudged;
@@ -80,6 +92,7 @@ impl LineSearch {
                 return Verdict::Unjudged;
             }
             if judgement == Judgement::Done && !self.find_worse(scene) {
+                self.stand(scene);
                 if round == 0 {
                     return Verdict::Harmless;
                 }
@@ -102,6 +115,20 @@ impl LineSearch {
         }
         displacement.fill(Vector3::zeros());
         Verdict::Shortened
+    }
+
+    /// Takes note of where the state that was judged last stands.
+    fn stand(&mut self, scene: &Scene<'_>) {
+        let Merits { islands, all } = &self.judge.merits;
+        let pairs = islands.iter().zip(&scene.now.islands);
+        self.standing.cleared.extend(pairs.map(|(after, now)| after.is_none() && !now.is_none()));
+        self.standing.merit = all.merit();
+    }
+
+    /// Whether a vertex lies in an island in which the displacement that was shortened last leaves nothing that
+    /// intersects; not where it could not be judged.
+    pub(super) fn is_cleared(&self, islands: &Islands, vertex: VertexId) -> bool {
+        self.standing.cleared.get(islands.of(vertex)).is_some_and(|&is_cleared| is_cleared)
     }
 
     /// Collects the vertices that move in islands that get worse.

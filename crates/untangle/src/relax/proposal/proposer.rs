@@ -6,9 +6,11 @@ use nalgebra::Vector3;
 
 use super::{
     coupled::Coupled,
+    displaced::Displaced,
     judge::Merits,
     line_search::{LineSearch, Scene, Verdict},
     trials::REACH,
+    values::step_of,
 };
 use crate::{
     analysis::Analysis,
@@ -17,9 +19,9 @@ use crate::{
     mesh::{Mesh, VertexId},
     relax::{
         energy::Domain,
-        step::{Islands, Precision, sent},
+        step::{Islands, Precision},
     },
-    respond::{Corrections, Responder},
+    respond::Responder,
     settings::{Response, Settings},
     stage::StageObserver,
 };
@@ -33,6 +35,8 @@ pub(crate) struct AnalysedFrame<'a> {
     pub(crate) settings: &'a Settings,
     /// Whether the host adds displacements in single precision.
     pub(crate) is_single: bool,
+    /// Whether it adds them at all, before its next step; else it takes what they say as velocities or forces.
+    pub(crate) is_displaced: bool,
 }
 
 /// Judges displacements before they go out, reusing its memory from frame to frame.
@@ -42,37 +46,40 @@ pub(crate) struct AnalysedFrame<'a> {
 /// tangled, in intersections and path lengths together, than its own.
 #[derive(Debug, Default)]
 pub(crate) struct Proposer {
-    coupled: Coupled,
-    line_search: LineSearch,
     islands: Islands,
     now: Merits,
-    /// The vertices of the proposal, and what it does to them, as it will be sent.
-    domain: Domain,
-    displacement: Vec<Vector3<f64>>,
+    methods: Methods,
     forces: StandIn,
 }
 
 impl Proposer {
     /// Replaces the values of the corrections, which are those of the response `displacement`, or none for `coupled`,
-    /// by a displacement that does no harm. Where they do none, values of `displacement` stay to the bit.
+    /// by a displacement that does no harm. Where they do none and clear the frame, values of `displacement` stay to
+    /// the bit.
+    ///
+    /// Displacements of `displacement` go on from where they lead, as long as that helps: see [`Displaced::find`].
+    /// That of `coupled` is the better one of its own and of that, if its own leaves something.
     ///
     /// Where time is up before anything could be judged, the forces of one step go out in their place.
     ///
-    /// Cost: nothing where nothing intersects; else that of [`LineSearch::shorten`], twice where something is stopped,
-    /// and for `coupled` that of [`Coupled::find`]. Only that one allocates once this is warm.
+    /// Where a displacement leaves nothing that intersects, contact has to hold what was won: a host that adds it gets
+    /// no mask and no labels there.
+    ///
+    /// Cost: nothing where nothing intersects; else that of [`Displaced::find`], and of [`LineSearch::shorten`] where
+    /// something is stopped; for `coupled` that of [`Coupled::find`], which alone allocates once this is warm.
     pub(crate) fn propose(
         &mut self,
         view: &AnalysedFrame<'_>,
         responder: &mut Responder,
         observer: &mut dyn StageObserver,
     ) {
-        let AnalysedFrame { mesh, frame, analysis, settings, is_single } = *view;
+        let AnalysedFrame { mesh, frame, analysis, settings, is_single, is_displaced } = *view;
         if analysis.paths.copies.is_empty() {
             return;
         }
         self.islands.find(mesh, analysis, &[], REACH);
         self.now.measure(mesh, frame, &analysis.intersections, &self.islands);
-        let Self { islands, now, coupled, line_search, forces, .. } = self;
+        let Self { islands, now, methods, forces } = self;
         let scene = Scene {
             mesh,
             frame,
@@ -83,34 +90,80 @@ impl Proposer {
         };
         let observer = RefCell::new(observer);
         let should_stop = || observer.borrow_mut().is_spent();
-        let (domain, displacement) = if settings.response == Response::Coupled {
-            let is_judged = coupled.find(&scene, analysis, responder.correspondences(), settings, &should_stop);
-            if !is_judged {
-                responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
-                return;
-            }
-            (&coupled.domain, &mut coupled.displacement)
-        } else {
-            take(mesh, responder.corrections(), &mut self.domain, &mut self.displacement);
-            (&self.domain, &mut self.displacement)
-        };
-        let verdict = line_search.shorten(&scene, domain, displacement, &should_stop);
+        let verdict = methods.find(view, &scene, responder, &should_stop);
         if verdict == Verdict::Unjudged {
             responder.respond_as(Response::Rbf, mesh, frame, analysis, settings);
             return;
         }
-        let proposal = Proposal { domain, displacement };
-        let stood_in = !should_stop() && forces.stand_in(view, &scene, &proposal, line_search, responder, &should_stop);
-        if !stood_in && (verdict == Verdict::Shortened || settings.response == Response::Coupled) {
+        let stood_in = !should_stop() && forces.stand_in(view, &scene, methods, responder, &should_stop);
+        if !stood_in && verdict == Verdict::Shortened {
+            let (domain, displacement) = methods.found();
             responder.displace(mesh, domain.vertices(), displacement);
+        }
+        if is_displaced {
+            responder.unmask(|vertex| methods.line_search.is_cleared(islands, vertex));
         }
     }
 }
 
-/// A displacement that does no harm.
-struct Proposal<'a> {
-    domain: &'a Domain,
-    displacement: &'a [Vector3<f64>],
+/// The ways to a displacement.
+#[derive(Debug, Default)]
+struct Methods {
+    coupled: Coupled,
+    displaced: Displaced,
+    line_search: LineSearch,
+    /// Whether that of the coupled response was found last.
+    is_coupled: bool,
+}
+
+impl Methods {
+    /// Finds a displacement by the response that was asked for. For the coupled one that to the targets is tried as
+    /// well, where it leaves something, and the better of the two is found.
+    ///
+    /// Harmless are the values that the corrections have already.
+    fn find(
+        &mut self,
+        view: &AnalysedFrame<'_>,
+        scene: &Scene<'_>,
+        responder: &mut Responder,
+        should_stop: &dyn Fn() -> bool,
+    ) -> Verdict {
+        let AnalysedFrame { mesh, frame, analysis, settings, .. } = *view;
+        let Self { coupled, displaced, line_search, is_coupled } = self;
+        *is_coupled = settings.response == Response::Coupled;
+        if !*is_coupled {
+            return displaced.find(scene, settings, responder.corrections(), line_search, should_stop);
+        }
+        let Some(found) = coupled.find(scene, analysis, responder.correspondences(), settings, should_stop) else {
+            return Verdict::Unjudged;
+        };
+        let mut least = found;
+        if found > 0.0 && !should_stop() {
+            responder.respond_as(Response::Displacement, mesh, frame, analysis, settings);
+            let targets = Settings { response: Response::Displacement, ..settings.clone() };
+            let verdict = displaced.find(scene, &targets, responder.corrections(), line_search, should_stop);
+            if verdict != Verdict::Unjudged {
+                least = least.min(line_search.standing.merit);
+            }
+        }
+        *is_coupled = coupled.finish(scene, [found, least], settings, should_stop);
+        let (domain, displacement) = match *is_coupled {
+            true => (&coupled.domain, &mut coupled.displacement),
+            false => (&displaced.domain, &mut displaced.displacement),
+        };
+        match line_search.shorten(scene, domain, displacement, should_stop) {
+            Verdict::Unjudged => Verdict::Unjudged,
+            Verdict::Harmless | Verdict::Shortened => Verdict::Shortened,
+        }
+    }
+
+    /// The displacement that was found last.
+    fn found(&self) -> (&Domain, &[Vector3<f64>]) {
+        match self.is_coupled {
+            true => (&self.coupled.domain, &self.coupled.displacement),
+            false => (&self.displaced.domain, &self.displaced.displacement),
+        }
+    }
 }
 
 /// The forces of one step, which stand in where nothing moves.
@@ -129,14 +182,13 @@ impl StandIn {
         &mut self,
         view: &AnalysedFrame<'_>,
         scene: &Scene<'_>,
-        proposal: &Proposal<'_>,
-        line_search: &mut LineSearch,
+        methods: &mut Methods,
         responder: &mut Responder,
         should_stop: &dyn Fn() -> bool,
     ) -> bool {
         let AnalysedFrame { mesh, frame, analysis, settings, .. } = *view;
         let Scene { islands, now, .. } = *scene;
-        let Proposal { domain, displacement } = *proposal;
+        let (domain, displacement) = methods.found();
         let Self { domain: both, displacement: steps, moves } = self;
         moves.clear();
         moves.resize(islands.len() + 1, false);
@@ -157,24 +209,13 @@ impl StandIn {
         };
         steps.clear();
         steps.extend(both.vertices().iter().map(step));
-        match line_search.shorten(scene, both, steps, should_stop) {
-            Verdict::Unjudged => responder.displace(mesh, domain.vertices(), displacement),
+        match methods.line_search.shorten(scene, both, steps, should_stop) {
+            Verdict::Unjudged => {
+                let (domain, displacement) = methods.found();
+                responder.displace(mesh, domain.vertices(), displacement);
+            }
             Verdict::Harmless | Verdict::Shortened => responder.displace(mesh, both.vertices(), steps),
         }
         true
     }
-}
-
-/// Takes the vertices that corrections move, and what they do to them, as it will be sent.
-fn take(mesh: &Mesh, corrections: &Corrections, domain: &mut Domain, displacement: &mut Vec<Vector3<f64>>) {
-    let moved = |vertex: &VertexId| step_of(mesh, corrections, *vertex) != Vector3::zeros();
-    domain.grow(mesh, corrections.touched.iter().copied().filter(moved), 0);
-    displacement.clear();
-    displacement.extend(domain.vertices().iter().map(|&vertex| step_of(mesh, corrections, vertex)));
-}
-
-/// The displacement of one step that a force makes, as it will be sent; none without mass.
-fn step_of(mesh: &Mesh, corrections: &Corrections, vertex: VertexId) -> Vector3<f64> {
-    let mass_kg = mesh.masses_kg().map_or(1.0, |masses| masses[vertex.index()]);
-    if mass_kg > 0.0 { sent(corrections.forces[vertex.index()] * (1.0 / mass_kg)) } else { Vector3::zeros() }
 }
