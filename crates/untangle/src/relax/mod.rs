@@ -62,7 +62,7 @@ pub use settings::{Effort, RelaxSettings};
 /// and the end that costs least is kept, with its history. These tell `progress` nothing.
 ///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
-/// over the vertices near the intersections. There are up to six other attempts.
+/// over the vertices near the intersections. There are up to 13 other attempts.
 ///
 /// # Errors
 /// [`RelaxError`] for positions that no frame accepts.

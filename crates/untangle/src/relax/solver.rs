@@ -36,7 +36,7 @@ pub(super) fn solve(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
-    let (mut end, is_first) = attempts(&mut relaxer, largest, &mut best, progress)?;
+    let (mut end, has_least) = attempts(&mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck {
         end = run_plans(&mut relaxer, largest, &mut best, progress)?;
     }
@@ -44,7 +44,8 @@ pub(super) fn solve(
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
-        if !interrupted && is_first && are_allowed(&relaxer, largest) && is_far(&relaxer) {
+        let is_to_compete = end == End::Clean && !has_least && are_allowed(&relaxer, largest);
+        if !interrupted && is_to_compete && is_far(&relaxer) {
             take_least(&mut relaxer, largest, true)?;
             interrupted = should_stop();
         }
@@ -53,7 +54,8 @@ pub(super) fn solve(
     Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
 }
 
-/// The first attempt, and the others where that leaves little. How it ended, and whether clean at the first.
+/// The first attempt, and the others where that leaves little. How it ended, and whether that is the least of several
+/// ends.
 fn attempts(
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
@@ -69,10 +71,10 @@ fn attempts(
         relaxer.set_frame(&best.positions)?;
         if take_least(relaxer, largest, false)? {
             *best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
-            return Ok((End::Clean, false));
+            return Ok((End::Clean, true));
         }
     }
-    Ok((end, end == End::Clean))
+    Ok((end, false))
 }
 
 /// One plan from the input after the other, until one does not end stuck.

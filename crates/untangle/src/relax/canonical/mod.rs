@@ -3,7 +3,8 @@
 //!
 //! Places are rounded to a grid, far finer than any edge, and vertices and faces are named in the order of their
 //! places; vertices in one place keep their order. What the solver moves there is added to the input. Where rounding
-//! changes what intersects, in the input or in the result, the input is solved as it is.
+//! makes something intersect away from what does, or the result, the input is solved as it is. Beside it rounding may:
+//! where an end of a path touches something exactly, which edges pierce which faces hangs on the last bits.
 
 mod renamed;
 
@@ -77,8 +78,8 @@ struct CanonicalForm {
 }
 
 impl CanonicalForm {
-    /// Nothing where nothing intersects, or something else does in the places of the grid, and where bodies or layers
-    /// say who belongs where: what is on the wrong side hangs on places too.
+    /// Nothing where nothing intersects, or something does or does no more in the places of the grid that is away from
+    /// the rest, and where bodies or layers say who belongs where: what is on the wrong side hangs on places too.
     fn of(mesh: &Mesh, input: &Frame) -> Option<Self> {
         if mesh.has_body() || mesh.layers().is_some() {
             return None;
@@ -93,7 +94,8 @@ impl CanonicalForm {
             |point: &Point3<f64>| <[f64; 3]>::from(point.map(|value| (value / cell_m).round() * cell_m + 0.0));
         let places: Vec<[f64; 3]> = input.positions().iter().map(rounded).collect();
         let frame = Frame::new(mesh, &places).ok()?;
-        if pierced(mesh, &frame) != before {
+        let there = pierced(mesh, &frame);
+        if !are_beside(mesh, &there, &before) || !are_beside(mesh, &before, &there) {
             return None;
         }
         let mut order: Vec<VertexId> = mesh.vertex_ids().collect();
@@ -108,7 +110,8 @@ impl CanonicalForm {
         Some(Self { mesh, positions, order })
     }
 
-    /// The input with what moved in a solution. Nothing where something else intersects after that.
+    /// The input with what moved in a solution. Nothing where something intersects after that, and not the same as in
+    /// the solution.
     fn added_to(
         &self,
         mesh: &Mesh,
@@ -129,7 +132,8 @@ impl CanonicalForm {
             let positions: Vec<[f64; 3]> = positions.iter().map(|&point| point.into()).collect();
             Frame::new(mesh, &positions)
         };
-        let is_same = pierced(mesh, &frame(&here)?) == pierced(mesh, &frame(&there)?);
+        let pierced_here = pierced(mesh, &frame(&here)?);
+        let is_same = pierced_here.is_empty() || pierced_here == pierced(mesh, &frame(&there)?);
         solution.positions = here;
         // Where the caller ends the work, there is no time for another solution.
         Ok((is_same || solution.interrupted).then_some(solution))
@@ -156,6 +160,14 @@ fn pierced(mesh: &Mesh, frame: &Frame) -> Vec<(EdgeId, FaceId)> {
     let mut pairs: Vec<(EdgeId, FaceId)> = found.edge_face.iter().map(|found| (found.edge, found.face)).collect();
     pairs.sort_unstable();
     pairs
+}
+
+/// Whether each pair of an edge and a face has a vertex in common with one of the others.
+fn are_beside(mesh: &Mesh, pairs: &[(EdgeId, FaceId)], others: &[(EdgeId, FaceId)]) -> bool {
+    let vertices = |&(edge, face): &(EdgeId, FaceId)| mesh.edge(edge).into_iter().chain(mesh.face(face));
+    let mut is_marked = vec![false; mesh.num_vertices()];
+    others.iter().flat_map(vertices).for_each(|vertex| is_marked[vertex.index()] = true);
+    pairs.iter().all(|pair| vertices(pair).any(|vertex| is_marked[vertex.index()]))
 }
 
 #[cfg(test)]
@@ -224,6 +236,29 @@ mod tests {
             let (mesh, frame) = two_triangles(height_cells);
             assert_eq!(CanonicalForm::of(&mesh, &frame).is_some(), is_used, "{height_cells}");
         }
+    }
+
+    #[test]
+    fn rounding_that_changes_what_intersects_beside_the_rest_is_used() {
+        // Two triangles that hang down from a common edge, by one corner each; rounding lifts the second one out.
+        let level = [0.6, 0.4, 0.4].map(|cells| cells / CELLS);
+        let [first, second] = [-0.75, 0.52].map(|cells| cells / CELLS);
+        let positions = [
+            [0., 0., level[0]],
+            [2., 0., level[1]],
+            [0., 1.5, level[2]],
+            [0.25, 0.25, first],
+            [0.5, 0.25, 1.],
+            [0.25, 0.5, 1.],
+            [0.25, 0.25, second],
+        ];
+        let form = |faces: &[[u32; 3]]| {
+            let description = MeshDescription { num_vertices: 7, faces: faces.to_vec(), ..Default::default() };
+            let mesh = Mesh::new(description).unwrap();
+            CanonicalForm::of(&mesh, &Frame::new(&mesh, &positions).unwrap()).is_some()
+        };
+        assert!(form(&[[0, 1, 2], [3, 4, 5], [6, 5, 4]]));
+        assert!(!form(&[[0, 1, 2], [6, 5, 4]]));
     }
 
     #[test]
