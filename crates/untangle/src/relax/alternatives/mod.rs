@@ -1,8 +1,8 @@
 //! Other attempts, where the first one ended far from the input: of all ends the one that costs least is kept.
 //!
-//! Which of several motions an attempt takes is chance where they are about as good. With the least of several attempts,
-//! each of which goes in another way, it is far less so. An end is at rest only as seen from where its attempt came: cloth
-//! that is led back a part of the way, intersects anew and is resolved anew, often ends nearer.
+//! Which of several motions an attempt takes is chance where they are about as good. With the least of several
+//! attempts, each of which goes in another way, it is far less so. An end is at rest only as seen from where its
+//! attempt came: cloth that is led back a part of the way, intersects anew and is resolved anew, often ends nearer.
 //!
 //! | file | purpose |
 //! |---|---|
