@@ -40,7 +40,9 @@ pub(super) fn run(
 ) -> Result<Relaxation, RelaxError> {
     let input = Frame::new(mesh, positions)?;
     let mut solution = None;
-    if !should_stop()
+    // Frames that follow each other are to move alike, and places of one round otherwise than those of the next.
+    if settings.other_attempts
+        && !should_stop()
         && let Some(form) = CanonicalForm::of(mesh, &input)
     {
         let found = solve(&form.mesh, &form.positions, settings, progress, should_stop)?;
