@@ -17,6 +17,7 @@
 //! | `settle` | shape recovery once nothing intersects |
 //! | `alternatives` | other attempts where the first ended far from the input |
 //! | `solver` | all plans, one after the other |
+//! | `canonical` | the solver on a form of the input that hangs on its shape alone |
 //! | `clearance` | primitives that are nearer than a gap are set apart |
 //! | `proposal` | what one frame proposes as a displacement, judged before it goes out |
 //!
@@ -24,6 +25,7 @@
 
 mod alternatives;
 mod attempt;
+mod canonical;
 mod clearance;
 mod constraints;
 mod energy;
@@ -60,7 +62,7 @@ pub use settings::{Effort, RelaxSettings};
 /// and the end that costs least is kept, with its history. These tell `progress` nothing.
 ///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
-/// over the vertices near the intersections. There are up to six other attempts.
+/// over the vertices near the intersections. There are up to 13 other attempts.
 ///
 /// # Errors
 /// [`RelaxError`] for positions that no frame accepts.
@@ -86,5 +88,5 @@ pub fn relax_until(
     progress: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Relaxation, RelaxError> {
-    solver::run(mesh, positions, settings, progress, should_stop)
+    canonical::run(mesh, positions, settings, progress, should_stop)
 }

@@ -107,6 +107,17 @@ pub(super) enum End {
     Interrupted,
 }
 
+/// What the solver found.
+pub(super) struct Solution {
+    pub(super) positions: Vec<Point3<f64>>,
+    pub(super) history: Vec<Iteration>,
+    /// How the last plan ended.
+    pub(super) end: End,
+    /// Whether there were too many paths for plans of trials.
+    pub(super) is_crowded: bool,
+    pub(super) interrupted: bool,
+}
+
 /// The least tangled state so far.
 pub(super) struct BestState {
     pub(super) merit: f64,

@@ -20,9 +20,8 @@ use crate::{
     analysis::Analyser,
     correspond::Correspondent,
     frame::Frame,
-    intersect::{Intersections, Intersector, SearchLimits},
+    intersect::{Intersections, SearchLimits},
     mesh::{Mesh, VertexId},
-    paths::{IntersectionPaths, PathFinder},
     settings::{InsideChoice, Settings},
     sides::Orientation,
     sparse_map::SparseMap,
@@ -56,8 +55,6 @@ pub(super) struct Relaxer<'a> {
     pub(super) first_islands: Islands,
     /// The bodies and layers, if there are any.
     pub(super) sides: Option<SideTracker>,
-    /// Whether there are chains among pinned vertices.
-    pub(super) has_pinned_chains: bool,
     pub(super) edge_length_m: f64,
     pub(super) history: Vec<Iteration>,
 }
@@ -88,7 +85,6 @@ impl<'a> Relaxer<'a> {
             trials: Vec::new(),
             passing: SparseMap::default(),
             first_islands: Islands::default(),
-            has_pinned_chains: false,
             edge_length_m: 0.0,
             history: Vec::new(),
         })
@@ -112,20 +108,11 @@ impl<'a> Relaxer<'a> {
 
     /// Analyses the present state, without the chains among pinned vertices.
     pub(super) fn analyse(&mut self) {
-        let Self { mesh, frame, analysis_settings, has_pinned_chains, .. } = self;
-        let select = |found: &mut Intersections| *has_pinned_chains = remove_pinned_chains(mesh, found);
+        let Self { mesh, frame, analysis_settings, .. } = self;
+        let select = |found: &mut Intersections| {
+            remove_pinned_chains(mesh, found);
+        };
         self.analyser.analyse_part(mesh, frame, analysis_settings, select, &mut StopObserver(self.should_stop));
-    }
-
-    /// The paths of the present state, those among pinned vertices included.
-    pub(super) fn final_paths(&self) -> IntersectionPaths {
-        if !self.has_pinned_chains {
-            return self.analyser.last().paths.clone();
-        }
-        let (mut found, mut paths) = (Intersections::default(), IntersectionPaths::default());
-        Intersector::default().intersect(self.mesh, &self.frame, &mut found);
-        PathFinder::default().find(self.mesh, &self.frame, &found, &mut paths);
-        paths
     }
 
     /// Finds the islands of the present state, each with the `reach`-ring round it, and how tangled they are.

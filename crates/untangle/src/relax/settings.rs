@@ -41,7 +41,8 @@ pub struct RelaxSettings {
     /// Whether positions are rounded to single precision in each state, for files that hold no more.
     pub single_precision: bool,
     /// Whether other attempts are made where the first one goes a long way, and the least of all ends is kept: several
-    /// times as long there. For who does not wait for the result.
+    /// times as long there. And whether the result hangs on the shape alone, not on names and last bits. For who does
+    /// not wait for the result, of an input that does not follow from another.
     pub other_attempts: bool,
 }
 

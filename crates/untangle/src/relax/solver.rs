@@ -1,13 +1,11 @@
 //! The whole relaxation: one plan after the other until one ends clean, then shape recovery.
 
-use nalgebra::Point3;
-
 use super::{
     alternatives::{are_allowed, is_far, take_least},
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
-    outcome::{BestState, End, RelaxError, Relaxation, blocked_paths},
+    outcome::{BestState, End, RelaxError, Solution},
     plan::{Largest, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths},
     relaxer::{Progress, Relaxer},
     resolve::resolve,
@@ -26,19 +24,19 @@ use crate::{
 /// A tangle of less than this part of another is far less.
 const FAR_LESS: f64 = 0.1;
 
-/// See [`relax`](super::relax).
-pub(super) fn run(
+/// The best state that is found from an input, its shape recovered.
+pub(super) fn solve(
     mesh: &Mesh,
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
     progress: &mut Progress<'_>,
     should_stop: &ShouldStop<'_>,
-) -> Result<Relaxation, RelaxError> {
+) -> Result<Solution, RelaxError> {
     let mut relaxer = Relaxer::new(mesh, positions, settings, should_stop)?;
     let input = relaxer.frame.positions().to_vec();
-    let mut best = BestState { merit: f64::INFINITY, positions: input.clone() };
+    let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
-    let (mut end, is_first) = attempts(&mut relaxer, largest, &mut best, progress)?;
+    let (mut end, has_least) = attempts(&mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck {
         end = run_plans(&mut relaxer, largest, &mut best, progress)?;
     }
@@ -46,22 +44,18 @@ pub(super) fn run(
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
-        if !interrupted && is_first && are_allowed(&relaxer, largest) && is_far(&relaxer) {
+        let is_to_compete = end == End::Clean && !has_least && are_allowed(&relaxer, largest);
+        if !interrupted && is_to_compete && is_far(&relaxer) {
             take_least(&mut relaxer, largest, true)?;
             interrupted = should_stop();
         }
-        relaxer.analyse();
     }
-    let blocked = blocked_paths(mesh, &relaxer.final_paths(), end, largest.is_crowded());
-    let restored = |(point, (before, given)): (&Point3<f64>, (&Point3<f64>, &[f64; 3]))| {
-        // A frame takes the smallest values as zero.
-        if point == before { *given } else { (*point).into() }
-    };
-    let positions = relaxer.frame.positions().iter().zip(input.iter().zip(positions)).map(restored).collect();
-    Ok(Relaxation { positions, history: relaxer.history, blocked, interrupted })
+    let positions = relaxer.frame.positions().to_vec();
+    Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
 }
 
-/// The first attempt, and the others where that leaves little. How it ended, and whether clean at the first.
+/// The first attempt, and the others where that leaves little. How it ended, and whether that is the least of several
+/// ends.
 fn attempts(
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
@@ -77,10 +71,10 @@ fn attempts(
         relaxer.set_frame(&best.positions)?;
         if take_least(relaxer, largest, false)? {
             *best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
-            return Ok((End::Clean, false));
+            return Ok((End::Clean, true));
         }
     }
-    Ok((end, end == End::Clean))
+    Ok((end, false))
 }
 
 /// One plan from the input after the other, until one does not end stuck.

@@ -59,6 +59,12 @@ impl StrainLimits {
         libm::log(stretch).abs()
     }
 
+    /// The least part of its area in the input that a face has, of those that had one; 1 without any.
+    pub(crate) fn least_area(&self, mesh: &Mesh, positions: &[Point3<f64>]) -> f64 {
+        let with_area = mesh.face_ids().filter(|face| self.areas[face.index()] > 0.0);
+        with_area.map(|face| area(mesh, positions, face) / self.areas[face.index()]).fold(1.0, f64::min)
+    }
+
     fn is_face_violated(&self, mesh: &Mesh, before: &[Point3<f64>], after: &[Point3<f64>], face: FaceId) -> bool {
         let now = area(mesh, after, face);
         now < MIN_AREA_RATIO * self.areas[face.index()] && now < area(mesh, before, face)

@@ -11,7 +11,7 @@ use super::{
     motion::{ContourSegment, Motion, MotionFinder, Scene, contours},
     rows::Rows,
     score::{Score, add_moved},
-    variant::{DescentVariant, Stage},
+    variant::{DescentVariant, Stage, recipes},
 };
 use crate::{
     analysis::Analysis,
@@ -196,7 +196,7 @@ impl Descent {
             rows.collect(relaxer, &self.analysis, &self.motions, &self.sides, self.variant.part, constraints);
         }
         let has_few = self.analysis.intersections.edge_face.len() < FEW;
-        let recipes = self.variant.recipes(&Stage {
+        let recipes = recipes(&Stage {
             has_few: has_few && relaxer.settings.effort != Effort::Fast,
             is_stalled: self.stalled >= STALLED,
             // A belt in a ball gets out by stretching.

@@ -1,4 +1,5 @@
-//! Descents that differ in how they go: where the first one finds no short way, another may.
+//! Descents that differ in how they go: where the first one finds no short way, another may. And the candidates of
+//! their iterations.
 
 use super::{candidate::Recipe, rows::Rows};
 
@@ -32,41 +33,29 @@ pub(in crate::relax) struct DescentVariant {
     pub(super) way: usize,
     /// The part of what motions ask for that one iteration makes.
     pub(super) part: f64,
-    /// Rows that have no candidates.
-    pub(super) without: Option<Rows>,
-    /// Whether contours get shorter from the first iteration on.
-    pub(super) shortens: bool,
 }
 
 impl DescentVariant {
     /// The one that is tried first.
-    pub(in crate::relax) const FIRST: Self = Self { way: 0, part: 1.0, without: None, shortens: false };
-    /// Those that follow, in order: each found the shortest way of all on some scene.
-    pub(in crate::relax) const OTHERS: [Self; 6] = [
-        Self { way: 1, ..Self::FIRST },
-        Self { way: 2, ..Self::FIRST },
-        Self { part: 0.5, ..Self::FIRST },
-        Self { without: Some(Rows::Wide), ..Self::FIRST },
-        Self { without: Some(Rows::Narrow), ..Self::FIRST },
-        Self { shortens: true, ..Self::FIRST },
-    ];
+    pub(in crate::relax) const FIRST: Self = Self { way: 0, part: 1.0 };
+    /// Those that follow, in order.
+    pub(in crate::relax) const OTHERS: [Self; 2] = [Self { way: 1, part: 1.0 }, Self { way: 0, part: 0.5 }];
+}
 
-    /// The candidates of an iteration.
-    pub(super) fn recipes(&self, stage: &Stage) -> Vec<Recipe> {
-        let [for_all, for_few, for_stalled] = RECIPES;
-        let (has_wide, has_narrow) = (self.without != Some(Rows::Wide), self.without != Some(Rows::Narrow));
-        let mut recipes = if has_wide { for_all.to_vec() } else { for_few.to_vec() };
-        if has_wide && has_narrow && stage.has_few {
-            recipes.extend(for_few);
-        }
-        if self.shortens || stage.is_stalled {
-            recipes.extend(for_stalled);
-        }
-        let recipe = |max_stretch: f64| move |(rows, stiffness)| Recipe { rows, stiffness, max_stretch };
-        let mut recipes: Vec<Recipe> = recipes.into_iter().map(recipe(MAX_STRETCH)).collect();
-        if stage.may_stretch {
-            recipes.extend(for_all.map(recipe(f64::INFINITY)));
-        }
-        recipes
+/// The candidates of an iteration.
+pub(super) fn recipes(stage: &Stage) -> Vec<Recipe> {
+    let [for_all, for_few, for_stalled] = RECIPES;
+    let mut recipes = for_all.to_vec();
+    if stage.has_few {
+        recipes.extend(for_few);
     }
+    if stage.is_stalled {
+        recipes.extend(for_stalled);
+    }
+    let recipe = |max_stretch: f64| move |(rows, stiffness)| Recipe { rows, stiffness, max_stretch };
+    let mut recipes: Vec<Recipe> = recipes.into_iter().map(recipe(MAX_STRETCH)).collect();
+    if stage.may_stretch {
+        recipes.extend(for_all.map(recipe(f64::INFINITY)));
+    }
+    recipes
 }

@@ -19,7 +19,7 @@ use crate::{
         energy::{Domain, RestShape},
         outcome::Iteration,
         settings::{Effort, RelaxSettings, StopObserver},
-        solver,
+        solver::solve,
         step::{Islands, Precision, Tangle, measure_touched, sent},
     },
     settings::Settings,
@@ -142,11 +142,10 @@ impl Coupled {
         let positions: Vec<[f64; 3]> = frame.positions().iter().map(|point| (*point).into()).collect();
         let mut progress =
             |_: &Iteration| if should_stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let Ok(relaxation) = solver::run(mesh, &positions, &relax_settings, &mut progress, &|| false) else {
+        let Ok(solution) = solve(mesh, &positions, &relax_settings, &mut progress, &|| false) else {
             return false;
         };
-        self.relaxed.clear();
-        self.relaxed.extend(relaxation.positions.iter().map(|&position| Point3::from(position)));
+        self.relaxed = solution.positions;
         let after = self.state.reach(scene, &self.relaxed, settings, should_stop);
         let is_better = after.is_some_and(|after| after < merit);
         if is_better {

@@ -30,7 +30,8 @@ use super::{
 use crate::{geometry::mean_edge_length, mesh::VertexId};
 use contacts::Contacts;
 pub(super) use pull::Pull;
-use taper::{largest_strain, taper};
+pub(super) use taper::largest_strain;
+use taper::taper;
 
 /// Width of the k-ring round what is still tangled that stays as it is.
 const LEFT_RINGS: usize = 3;

@@ -70,7 +70,7 @@ fn shortened(relaxer: &Relaxer<'_>, vertex: usize, ended_m: f64) -> Point3<f64> 
 }
 
 /// The largest logarithm of an edge's length over that in the input.
-pub(super) fn largest_strain(relaxer: &Relaxer<'_>, positions: &[Point3<f64>]) -> f64 {
+pub(in crate::relax) fn largest_strain(relaxer: &Relaxer<'_>, positions: &[Point3<f64>]) -> f64 {
     let Relaxer { mesh, limits, .. } = relaxer;
     mesh.edge_ids().map(|edge| limits.strain(mesh, positions, edge)).fold(0.0, f64::max)
 }

@@ -1,0 +1,69 @@
+//! Other attempts, and where each ends.
+
+use std::ops::ControlFlow;
+
+use super::ends::CleanEnd;
+use crate::relax::{
+    attempt::attempt,
+    constraints::Objective,
+    escape::DescentVariant,
+    outcome::{BestState, End, Iteration, RelaxError},
+    plan::{Largest, Pace, StallCriterion},
+    relaxer::Relaxer,
+    resolve::resolve,
+    settle::settle,
+    step::stored,
+};
+
+/// How another attempt goes.
+#[derive(Clone, Copy)]
+pub(super) enum Way<'a> {
+    /// Trials from the input, with this objective first.
+    Trials(Objective),
+    /// Another descent from the input.
+    Descent(DescentVariant),
+    /// The first descent, from this part of the way to an end.
+    Part(&'a CleanEnd, f64),
+}
+
+impl Way<'_> {
+    /// Trials: least displacements from the input, so that most of the shortest ends of all are theirs.
+    pub(super) const TRIALS: [Self; 2] = [Self::Trials(Objective::Normal), Self::Trials(Objective::Target)];
+
+    /// Where the attempt ends that goes so; nothing where that is not clean. `first` has the input, and what the first
+    /// attempt knows of it.
+    ///
+    /// Cost: that of an attempt and of shape recovery.
+    pub(super) fn end(self, first: &Relaxer<'_>, largest: Largest) -> Result<Option<CleanEnd>, RelaxError> {
+        let Relaxer { mesh, settings, should_stop, rest, .. } = first;
+        let input: Vec<[f64; 3]> = rest.positions().iter().map(|&at| at.into()).collect();
+        let mut relaxer = Relaxer::new(mesh, &input, settings, *should_stop)?;
+        relaxer.first_islands = first.first_islands.clone();
+        let mut start = rest.positions().to_vec();
+        if let Self::Part(end, part) = self {
+            let pairs = start.iter_mut().zip(&end.positions);
+            pairs.for_each(|(at, end)| *at = stored(*at + (end - *at) * part, settings.single_precision));
+        }
+        relaxer.set_frame(&start)?;
+        let mut progress = |_: &Iteration| ControlFlow::Continue(());
+        let mut best = BestState { merit: f64::INFINITY, positions: start };
+        let num_edge_face = largest.num_edge_face;
+        let how = match self {
+            Self::Trials(objective) => {
+                let stall = StallCriterion::with(num_edge_face, Pace::Usual);
+                resolve(&mut relaxer, objective, Pace::Usual, stall, &mut best, &mut progress)?
+            }
+            Self::Descent(variant) => attempt(&mut relaxer, num_edge_face, variant, &mut best, &mut progress)?,
+            Self::Part(..) => attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, &mut progress)?,
+        };
+        if how != End::Clean {
+            return Ok(None);
+        }
+        relaxer.set_frame(&best.positions)?;
+        let is_ended = settle(&mut relaxer, &mut progress)?;
+        if let Self::Part(end, _) = self {
+            relaxer.history.splice(0..0, end.history.iter().copied());
+        }
+        Ok((!is_ended && !should_stop()).then(|| CleanEnd::of(&relaxer)))
+    }
+}
