@@ -24,10 +24,11 @@ export async function launch(own, { width, height }) {
     headless: true,
     // A busy machine is no error.
     timeout: 0,
-    // WebGL in software, where there is no graphics card; nothing of the browser's own goes out.
+    // As on a machine without a graphics card: WebGL in software (SwiftShader), and the page put together by the
+    // browser itself, not by SwiftShader as well. Nothing of the browser's own goes out.
     args: [
       "--no-sandbox",
-      "--use-angle=swiftshader",
+      "--disable-gpu",
       "--enable-unsafe-swiftshader",
       "--disable-quic",
       "--no-first-run",

@@ -6,51 +6,66 @@ import { KINDS } from "./kinds";
 import { type ColourMap, textureOf } from "./maps";
 import type { Surface } from "./surface";
 
+// What a picture does not need is not compiled in: drawn in software, each number that a face hands on to its pixels
+// takes time. MIXED: two states; MAPPED: a colour map.
 const VERTEX = `
-attribute vec3 after;
 attribute vec3 tint;
-attribute float value;
 attribute vec4 inside;
-attribute vec4 insideAfter;
-uniform float mixing;
 varying vec3 place;
 varying vec3 colour;
-varying float amount;
 varying vec4 region;
+#ifdef MIXED
+attribute vec3 after;
+attribute vec4 insideAfter;
+uniform float mixing;
+#endif
+#ifdef MAPPED
+attribute float value;
+varying float amount;
+#endif
 void main() {
-  vec4 seen = modelViewMatrix * vec4(mix(position, after, mixing), 1.0);
+  vec3 at = position;
+  region = inside;
+#ifdef MIXED
+  at = mix(at, after, mixing);
+  region = mix(region, insideAfter, mixing);
+#endif
+#ifdef MAPPED
+  amount = value;
+#endif
+  vec4 seen = modelViewMatrix * vec4(at, 1.0);
   place = seen.xyz;
   colour = tint;
-  amount = value;
-  region = mix(inside, insideAfter, mixing);
   gl_Position = projectionMatrix * seen;
 }`;
 
 // The normal of a face by derivatives: facets are what the mesh has.
 const FRAGMENT = `
-uniform sampler2D map;
-uniform bool isMapped;
 uniform float opacity;
 varying vec3 place;
 varying vec3 colour;
-varying float amount;
 varying vec4 region;
+#ifdef MAPPED
+uniform sampler2D map;
+varying float amount;
+#endif
 void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float light = 0.6 + 0.3 * abs(normal.z) + 0.14 * dot(normal * sign(normal.z), vec3(-0.5, 0.75, 0.45));
+#ifdef MAPPED
+  vec3 base = texture2D(map, vec2(amount * 0.996 + 0.002, 0.5)).rgb;
+  float fifths = amount * 5.0;
+  float width = fwidth(fifths);
+  float nearness = abs(fract(fifths + 0.5) - 0.5);
+  if (width > 0.0 && width < 0.5 && nearness < 0.7 * width && amount > 0.02 && amount < 0.98) base *= 0.55;
+  light = 0.4 + 0.6 * light;
+#else
   vec3 base = colour;
-  if (isMapped) {
-    base = texture2D(map, vec2(amount * 0.996 + 0.002, 0.5)).rgb;
-    float fifths = amount * 5.0;
-    float width = fwidth(fifths);
-    float nearness = abs(fract(fifths + 0.5) - 0.5);
-    if (width > 0.0 && width < 0.5 && nearness < 0.7 * width && amount > 0.02 && amount < 0.98) base *= 0.55;
-    light = 0.4 + 0.6 * light;
-  } else if (region.a > 0.5) {
-    vec3 own = region.rgb / region.a;
+  if (region.a > 0.5) {
     float stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 8.0);
-    base = stripe < 3.0 ? mix(base, own, 0.75) : mix(base, own, 0.3);
+    base = mix(base, region.rgb / region.a, stripe < 3.0 ? 0.75 : 0.3);
   }
+#endif
   if (!gl_FrontFacing) base *= 0.84;
   gl_FragColor = vec4(base * light, opacity);
 }`;
@@ -64,16 +79,16 @@ export class Cloth {
     const [first, last] = [states[0]!, states[states.length - 1]!];
     const geometry = this.geometry;
     geometry.setIndex(new Uint32BufferAttribute(triangles, 1));
-    // Of one state both are the same, and go to the graphics card once.
     const own = (state: Shown) => new BufferAttribute(state.positions.slice(), 3);
-    const [before, inside] = [own(first), insides(first)];
-    geometry.setAttribute("position", before);
-    geometry.setAttribute("after", first === last ? before : own(last));
+    geometry.setAttribute("position", own(first));
     geometry.setAttribute("tint", new BufferAttribute(tints, 3));
-    geometry.setAttribute("value", new BufferAttribute(new Float32Array(first.positions.length / 3), 1));
-    geometry.setAttribute("inside", inside);
-    geometry.setAttribute("insideAfter", first === last ? inside : insides(last));
-    this.materials = [material(1), material(0.45)];
+    geometry.setAttribute("inside", insides(first));
+    const isMixed = first !== last;
+    if (isMixed) {
+      geometry.setAttribute("after", own(last));
+      geometry.setAttribute("insideAfter", insides(last));
+    }
+    this.materials = [material(1, isMixed), material(0.45, isMixed)];
     const numOfCloth = 3 * numClothFaces;
     geometry.addGroup(0, numOfCloth, 0);
     if (numOfCloth < triangles.length) geometry.addGroup(numOfCloth, triangles.length - numOfCloth, 1);
@@ -101,11 +116,16 @@ export class Cloth {
   }
 
   setMap(map: ColourMap | null) {
+    if (map && !this.geometry.hasAttribute("value")) {
+      this.geometry.setAttribute("value", new BufferAttribute(new Float32Array(map.values.length), 1));
+    }
     if (map) {
       (this.geometry.getAttribute("value") as BufferAttribute).copyArray(map.values).needsUpdate = true;
     }
     const [cloth] = this.materials as [ShaderMaterial];
-    cloth.uniforms["isMapped"]!.value = map !== null;
+    if (map) cloth.defines["MAPPED"] = "";
+    else delete cloth.defines["MAPPED"];
+    cloth.needsUpdate = true;
     cloth.uniforms["map"]!.value = textureOf(map);
   }
 
@@ -121,17 +141,17 @@ export class Cloth {
   }
 }
 
-function material(opacity: number): ShaderMaterial {
+function material(opacity: number, isMixed: boolean): ShaderMaterial {
   const uniforms = {
     mixing: { value: 0 },
     map: { value: textureOf(null) },
-    isMapped: { value: false },
     opacity: { value: opacity },
   };
   // Paths lie in the surface: it stands back a little for them.
   const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 };
   return new ShaderMaterial({
     uniforms,
+    defines: isMixed ? { MIXED: "" } : {},
     vertexShader: VERTEX,
     fragmentShader: FRAGMENT,
     side: DoubleSide,

@@ -96,6 +96,14 @@ export class View {
     this.scene.add(overlay.object);
   }
 
+  /** Whether processors draw, and no graphics card. */
+  get isSoftware(): boolean {
+    const gl = this.renderer.getContext();
+    const named = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = String(gl.getParameter(named?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  }
+
   /** Pixels of the page to one that is drawn; 1 unless a picture takes too long. */
   setCoarseness(coarseness: number) {
     if (coarseness === this.coarseness) return;

@@ -1,7 +1,7 @@
 // Corrections as arrows: some pixels wide, as long as they are large. The largest of the last seconds has a length of
-// its own, by which all others are measured.
-import { BufferAttribute, Color, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry } from "three";
-import { Mesh, ShaderMaterial, Vector2 } from "three";
+// its own, by which all others are measured. Each arrow has corners of its own: an instance costs as much as a call to
+// draw, where that is done in software.
+import { BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, Mesh, ShaderMaterial, Vector2 } from "three";
 
 import type { Sight } from "../contours";
 import type { Overlay } from "../view";
@@ -15,17 +15,22 @@ const LONGEST = 0.16;
 /** What is left of the largest correction after each frame, where later ones are smaller. */
 const FADE = 0.99;
 
+/** Along, across, and whether it is of the head: four corners of the shaft, three of the head. */
+const CORNERS = [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0, 0, -1, 1, 1, 0, 1, 0, 1, 1];
+const TRIANGLES = [0, 1, 2, 0, 2, 3, 4, 5, 6];
+const NUM_CORNERS = CORNERS.length / 3;
+
 const VERTEX = `
+// The start stands in the position.
 attribute vec3 corner;
-attribute vec3 start;
 attribute vec3 value;
 uniform vec2 resolution;
 uniform float scale;
 uniform float width;
 uniform float near;
 void main() {
-  vec4 a = modelViewMatrix * vec4(start, 1.0);
-  vec4 b = modelViewMatrix * vec4(start + scale * value, 1.0);
+  vec4 a = modelViewMatrix * vec4(position, 1.0);
+  vec4 b = modelViewMatrix * vec4(position + scale * value, 1.0);
   if (a.z > -near || b.z > -near) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
@@ -58,20 +63,27 @@ void main() {
 }`;
 
 export class Arrows implements Overlay {
-  readonly object: Mesh<InstancedBufferGeometry, ShaderMaterial>;
-  private readonly starts = new InstancedBufferAttribute(new Float32Array(3 * MOST), 3).setUsage(DynamicDrawUsage);
-  private readonly values = new InstancedBufferAttribute(new Float32Array(3 * MOST), 3).setUsage(DynamicDrawUsage);
+  readonly object: Mesh<BufferGeometry, ShaderMaterial>;
+  private readonly starts = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * MOST), 3);
+  private readonly values = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * MOST), 3);
   private largest = 0;
 
   /** `radius`: half of the cloth's diagonal, in metres. */
   constructor(private readonly radius: number) {
-    const geometry = new InstancedBufferGeometry();
-    const corners = [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0, 0, -1, 1, 1, 0, 1, 0, 1, 1];
-    geometry.setAttribute("corner", new BufferAttribute(new Float32Array(corners), 3));
-    geometry.setAttribute("start", this.starts);
-    geometry.setAttribute("value", this.values);
-    geometry.setIndex([0, 1, 2, 0, 2, 3, 4, 5, 6]);
-    geometry.instanceCount = 0;
+    const [corners, index] = [new Float32Array(CORNERS.length * MOST), new Uint16Array(TRIANGLES.length * MOST)];
+    for (let arrow = 0; arrow < MOST; arrow++) {
+      corners.set(CORNERS, CORNERS.length * arrow);
+      index.set(
+        TRIANGLES.map((corner) => NUM_CORNERS * arrow + corner),
+        TRIANGLES.length * arrow,
+      );
+    }
+    const geometry = new BufferGeometry();
+    geometry.setIndex(new BufferAttribute(index, 1));
+    geometry.setAttribute("corner", new BufferAttribute(corners, 3));
+    geometry.setAttribute("position", this.starts.setUsage(DynamicDrawUsage));
+    geometry.setAttribute("value", this.values.setUsage(DynamicDrawUsage));
+    geometry.setDrawRange(0, 0);
     const uniforms = {
       resolution: { value: new Vector2(1, 1) },
       scale: { value: 1 },
@@ -95,11 +107,17 @@ export class Arrows implements Overlay {
     let count = 0;
     for (let at = 0; at < corrected.length; at += step, count++) {
       const vertex = corrected[at]!;
-      this.starts.array.set(positions.subarray(3 * vertex, 3 * vertex + 3), 3 * count);
-      this.values.array.set(corrections.subarray(3 * at, 3 * at + 3), 3 * count);
+      for (let corner = NUM_CORNERS * count; corner < NUM_CORNERS * (count + 1); corner++) {
+        this.starts.array.set(positions.subarray(3 * vertex, 3 * vertex + 3), 3 * corner);
+        this.values.array.set(corrections.subarray(3 * at, 3 * at + 3), 3 * corner);
+      }
     }
-    this.object.geometry.instanceCount = count;
-    this.starts.needsUpdate = this.values.needsUpdate = true;
+    this.object.geometry.setDrawRange(0, TRIANGLES.length * count);
+    for (const attribute of [this.starts, this.values]) {
+      attribute.clearUpdateRanges();
+      attribute.addUpdateRange(0, 3 * NUM_CORNERS * count);
+      attribute.needsUpdate = true;
+    }
     this.object.material.uniforms["scale"]!.value = this.largest > 0 ? (LONGEST * this.radius) / this.largest : 1;
     if (own === 0) return "no corrections";
     const some = step > 1 ? `, one in ${step} drawn` : "";

@@ -122,7 +122,7 @@ class Page {
     const { dataset } = document.documentElement;
     dataset["ready"] = "yes";
     dataset["frames"] = String(Number(dataset["frames"] ?? 0) + 1);
-    const rest = this.timeline.leastMs - took;
+    const rest = Math.max(this.timeline.leastMs, this.picture?.leastMs ?? 0) - took;
     if (rest > 0) await new Promise((done) => setTimeout(done, rest));
   }
 

@@ -8,9 +8,11 @@ import type { FrameMessage, MeshMessage } from "./message";
 import { shownOf } from "./shown";
 
 /** Milliseconds a frame above which a live picture gets coarser, and below which it gets finer again. */
-const SLOW_MS = 90;
-const FAST_MS = 25;
+const SLOW_MS = 50;
+const FAST_MS = 28;
 const COARSENESSES = [1, 1.4, 2];
+/** Least time from picture to picture where processors draw: the session wants them, too. */
+const SOFTWARE_MS = 85;
 
 /** What somebody does in the picture. */
 export interface Acts {
@@ -27,7 +29,11 @@ export class Picture {
   readonly view: View;
   private readonly arrows: Arrows;
   private readonly arrowWords = el("span", {});
-  private coarseness = 0;
+  /** Least time from one live picture to the next, in milliseconds. */
+  readonly leastMs: number;
+  /** Where a live picture begins: in software with the coarsest, which may get finer. */
+  private readonly firstCoarseness: number;
+  private coarseness: number;
   private busyMs = 0;
 
   constructor(mesh: MeshMessage, first: FrameMessage, acts: Acts) {
@@ -35,7 +41,10 @@ export class Picture {
     this.view = new View(surface, [shownOf(first)], ({ path }) => acts.pick(path), true);
     this.arrows = new Arrows(this.view.radius);
     this.view.add(this.arrows);
-    const { canvas } = this.view;
+    const { canvas, isSoftware } = this.view;
+    this.leastMs = isSoftware ? SOFTWARE_MS : 0;
+    this.firstCoarseness = isSoftware ? COARSENESSES.length - 1 : 0;
+    this.coarseness = this.firstCoarseness;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", "The cloth and its intersection paths");
@@ -86,8 +95,9 @@ export class Picture {
   /** Draws coarser while pictures take long, and as fine as it can while it stands still. */
   adapt(tookMs: number, isLive: boolean) {
     if (!isLive) {
-      this.coarseness = 0;
+      this.coarseness = this.firstCoarseness;
       this.busyMs = 0;
+      this.view.setCoarseness(1);
     } else {
       this.busyMs = this.busyMs === 0 ? tookMs : 0.8 * this.busyMs + 0.2 * tookMs;
       const step = this.busyMs > SLOW_MS ? 1 : this.busyMs < FAST_MS ? -1 : 0;
@@ -95,8 +105,8 @@ export class Picture {
       // What the next fineness takes shows in some frames only.
       if (next !== this.coarseness) this.busyMs = 0;
       this.coarseness = next;
+      this.view.setCoarseness(COARSENESSES[next]!);
     }
-    this.view.setCoarseness(COARSENESSES[this.coarseness]!);
   }
 
   dispose() {
