@@ -45,7 +45,7 @@ pub(super) fn solve(
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
         let is_to_compete = end == End::Clean && !has_least && are_allowed(&relaxer, largest);
-        if !interrupted && is_to_compete && is_far(&relaxer) {
+        if !interrupted && is_to_compete && is_far(&relaxer, largest) {
             take_least(&mut relaxer, largest, true)?;
             interrupted = should_stop();
         }

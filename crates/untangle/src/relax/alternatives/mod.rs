@@ -28,6 +28,8 @@ use ways::Way;
 
 /// A state is near the input where its vertices moved by no more than this part of the diagonal, on the average.
 const NEAR: f64 = 0.005;
+/// The same for large tangles, of which each attempt takes long.
+const NEAR_OF_LARGE: f64 = 0.02;
 /// An end is taken over an earlier one only where it costs less than this part of it: near ties are none.
 const CLEARLY_LESS: f64 = 0.99;
 /// The parts of the way to the best end from which attempts begin again.
@@ -44,9 +46,10 @@ pub(super) fn are_allowed(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
 }
 
 /// Whether the present state, a clean one, is far from the input. Where that took straightening, no motion is short.
-pub(super) fn is_far(relaxer: &Relaxer<'_>) -> bool {
+pub(super) fn is_far(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
+    let near = if largest.is_large() { NEAR_OF_LARGE } else { NEAR };
     let is_straightened = relaxer.history.iter().any(|step| step.method == Method::Flatten);
-    !is_straightened && mean_displacement(relaxer) > NEAR
+    !is_straightened && mean_displacement(relaxer) > near
 }
 
 /// Makes the other attempts, side by side, and goes over to the end that costs least; `is_clean` says whether the
