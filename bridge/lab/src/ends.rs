@@ -231,11 +231,17 @@ impl Bridged {
     /// Starts all of it, over loopback.
     #[must_use]
     pub fn start() -> Self {
+        Self::start_by(|address| address)
+    }
+
+    /// The same, with a host end that connects to what stands for the address of the daemon end.
+    #[must_use]
+    pub fn start_by(connected: impl FnOnce(SocketAddr) -> SocketAddr) -> Self {
         let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
         let address = free_address();
         let daemon = serve(&near_daemon);
         let daemon_end = daemon_end(&near_daemon, "far", address);
-        let host_end = host_end(&near_host, "near", &[address]);
+        let host_end = host_end(&near_host, "near", &[connected(address)]);
         Self { host_end, daemon_end, daemon, address, near_host, near_daemon }
     }
 }

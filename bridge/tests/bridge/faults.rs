@@ -135,14 +135,17 @@ fn nothing_is_left_after_all_have_ended() {
     assert_eq!(near_daemon.shared_memory(), Vec::<String>::new());
 }
 
+/// All of it, with a proxy between both ends.
+fn bridged_by_proxy() -> (Bridged, Proxy) {
+    let mut proxy = None;
+    let bridged = Bridged::start_by(|address| proxy.insert(Proxy::start(address)).address);
+    (bridged, proxy.expect("the host end was given its address"))
+}
+
 #[test]
 fn session_is_back_within_two_seconds_after_a_partition_and_gets_no_wrong_answer() {
-    let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
-    let address = ends::free_address();
-    let _daemon = ends::serve(&near_daemon);
-    let _daemon_end = ends::daemon_end(&near_daemon, "far", address);
-    let proxy = Proxy::start(address);
-    let _host_end = ends::host_end(&near_host, "near", &[proxy.address]);
+    let (bridged, proxy) = bridged_by_proxy();
+    let Bridged { near_host, near_daemon, .. } = &bridged;
     let sheets = Sheets::new(8);
     let mut own = near_daemon.connect().register(sheets.registration()).unwrap();
     let mut session = near_host.connect().register(sheets.registration()).unwrap();
@@ -169,12 +172,8 @@ fn session_is_back_within_two_seconds_after_a_partition_and_gets_no_wrong_answer
 /// The host asks once and waits: what a broken connection had on its way must be sent again by the ends themselves.
 #[test]
 fn frame_that_was_lost_with_its_connection_is_answered_without_being_asked_again() {
-    let (near_host, near_daemon) = (TestDomain::new(), TestDomain::new());
-    let address = ends::free_address();
-    let _daemon = ends::serve(&near_daemon);
-    let _daemon_end = ends::daemon_end(&near_daemon, "far", address);
-    let proxy = Proxy::start(address);
-    let _host_end = ends::host_end(&near_host, "near", &[proxy.address]);
+    let (bridged, proxy) = bridged_by_proxy();
+    let near_host = &bridged.near_host;
     let sheets = Sheets::new(8);
     let mut session = near_host.connect().register(sheets.registration()).unwrap();
     assert_eq!(exchange(&mut session, &sheets).unwrap(), 1);

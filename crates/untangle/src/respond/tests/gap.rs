@@ -65,6 +65,26 @@ fn layers_nearer_than_the_thickness_get_opposite_forces_and_others_none() {
 }
 
 #[test]
+fn forces_that_keep_layers_apart_are_as_large_on_finer_meshes() {
+    // What they displace the upper sheet by in one step, on the average; each vertex has one kilogram.
+    let mean_m = |cells: u32| {
+        let (description, positions) = layers(cells, 0.008);
+        let mesh = Arc::new(Mesh::new(description).unwrap());
+        let frame = Frame::new(&mesh, &positions).unwrap();
+        let settings = Settings { thickness_m: Some(0.012), ..Settings::default() };
+        let mut untangler = Untangler::new(Arc::clone(&mesh), settings).unwrap();
+        let above = &untangler.process(&frame, &mut ()).corrections.forces[mesh.num_vertices() / 2..];
+        above.iter().map(|force| force.z).sum::<f64>() / f64::from((cells + 1).pow(2))
+    };
+    let coarse_m = mean_m(10);
+    for cells in [20, 40] {
+        let fine_m = mean_m(cells);
+        println!("edges of 1/{cells}: {fine_m}, of a tenth: {coarse_m}");
+        assert!(fine_m > 0.7 * coarse_m);
+    }
+}
+
+#[test]
 fn cloth_that_is_joined_along_the_surface_or_pinned_or_tangled_is_not_kept_apart() {
     let process = |description: MeshDescription, positions: &[[f64; 3]], thickness_m| {
         let mesh = Arc::new(Mesh::new(description).unwrap());
