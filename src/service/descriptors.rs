@@ -1,11 +1,12 @@
-//! The limit of open files. The usual soft limit of 1,024 is less than 64 sessions and their observers take, and a daemon
-//! that runs out of descriptors while it cleans up a dead node leaves files in shared memory that nothing removes.
+//! The limit of open files. The usual soft limit of 1,024 is less than 64 sessions and their observers take, and a
+//! daemon that runs out of descriptors while it cleans up a dead node leaves files in shared memory that nothing
+//! removes.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use untangled_proto::limits::MAX_OBSERVERS;
 
-/// Descriptors that a session takes: 17 by count, with repairs 25; rounded up (`tests/daemon/operating/memory.rs` counts
-/// these, and those of observers).
+/// Descriptors that a session takes: 17 by count, with repairs 25; rounded up (`tests/daemon/operating/files.rs`
+/// counts these, and those of observers).
 const PER_SESSION: u64 = 26;
 /// Descriptors that a session takes besides once somebody has asked to watch it.
 const PER_WATCHED: u64 = 8;

@@ -1,10 +1,9 @@
 //! Those who watch sessions, as far as the limit of open files has room for them.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use untangled_proto::Status;
 
-use super::registry::Registry;
 use crate::service::{
     descriptors::{self, DescriptorRoom},
     error::Refusal,
@@ -25,13 +24,18 @@ impl Audience {
         Self { room, admission: Mutex::default() }
     }
 
-    /// Opens the views of a session to one more observer. The open sessions are those of `registry`.
-    pub(super) fn admit(&self, registry: &Registry, session: &Session, observer: NewObserver) -> Result<(), Refusal> {
+    /// Opens the views of a session to one more observer. `open` gives all open sessions.
+    pub(super) fn admit(
+        &self,
+        open: impl FnOnce() -> Vec<Arc<Session>>,
+        session: &Session,
+        observer: NewObserver<'_>,
+    ) -> Result<(), Refusal> {
         let _one = self.admission.lock().unwrap_or_else(PoisonError::into_inner);
         let of = |num_observers: Option<usize>| num_observers.map_or(0, descriptors::of_views);
         let own = session.num_observers();
         let more = of(Some(own.unwrap_or(0) + 1)) - of(own);
-        let taken: u64 = registry.sessions().iter().map(|session| of(session.num_observers())).sum();
+        let taken: u64 = open().iter().map(|session| of(session.num_observers())).sum();
         let DescriptorRoom { limit: Some(limit), for_observers, max_sessions } = self.room else {
             return session.open_to(observer);
         };

@@ -101,7 +101,7 @@ impl Replier {
                     let asked_by = ProcessId::of(request.origin().value());
                     let (registry, name) = (&*self.registry, observer_name(&sections)?);
                     let observer = NewObserver { node: registry.node(), instance: registry.instance(), asked_by, name };
-                    registry.audience().admit(registry, &session, observer)?;
+                    registry.audience().admit(|| registry.sessions().clone(), &session, observer)?;
                 }
                 let mesh = session.mesh_for_observers();
                 let payload = part(mesh, &sections)?.to_vec();
