@@ -36,10 +36,12 @@ pub enum Status {
     TooManyIntersections = 14,
     /// The frame's time was up before its intersections were found.
     OutOfTime = 15,
+    /// The daemon has no room for one more observer.
+    TooManyObservers = 16,
 }
 
 impl Status {
-    const ALL: [Self; 15] = [
+    const ALL: [Self; 16] = [
         Self::Ok,
         Self::UnsupportedProtocol,
         Self::BadRequest,
@@ -55,6 +57,7 @@ impl Status {
         Self::Internal,
         Self::TooManyIntersections,
         Self::OutOfTime,
+        Self::TooManyObservers,
     ];
 
     /// The value on the wire.
@@ -81,6 +84,7 @@ impl Status {
             Self::BadHeader => "bad header",
             Self::TooManyIntersections => "too many intersections",
             Self::OutOfTime => "out of time",
+            Self::TooManyObservers => "too many observers",
             Self::Internal => "internal: a defect of the daemon",
         }
     }

@@ -24,7 +24,7 @@ use untangled_transport::{
 };
 
 use super::{
-    descriptors::make_room_for_descriptors,
+    descriptors::{DescriptorRoom, make_room_for_descriptors},
     error::ServeError,
     metrics::MetricsServer,
     options::ServeOptions,
@@ -71,12 +71,13 @@ impl Shutdown {
 pub fn run(options: &ServeOptions, shutdown: &Shutdown, ready: impl FnOnce() + Send) -> Result<(), ServeError> {
     // What iceoryx2 reports is handled here and logged once; its own log is switched on by IOX2_LOG_LEVEL.
     set_log_level_from_env_or(LogLevel::Fatal);
-    let options = &ServeOptions { max_sessions: make_room_for_descriptors(options.max_sessions), ..options.clone() };
+    let room = make_room_for_descriptors(options.max_sessions);
+    let options = &ServeOptions { max_sessions: room.max_sessions, ..options.clone() };
     let mut lock = DomainLock::acquire_patiently(&options.domain)?;
     lock.wipe_if_unused()?;
     options.domain.create_folders()?;
     lock.announce()?;
-    let result = Daemon::start(options).and_then(|daemon| daemon.serve_on_own_thread(shutdown, ready));
+    let result = Daemon::start(options, room).and_then(|daemon| daemon.serve_on_own_thread(shutdown, ready));
     // All ports, services and the node are gone by now.
     lock.withdraw()?;
     lock.wipe_if_unused()?;
@@ -129,7 +130,7 @@ struct Daemon {
 }
 
 impl Daemon {
-    fn start(options: &ServeOptions) -> Result<Self, ServeError> {
+    fn start(options: &ServeOptions, room: DescriptorRoom) -> Result<Self, ServeError> {
         let cleanup = Cleanup::start(options.domain.clone(), options.domain.config()?, log_finding)
             .map_err(|source| ServeError::System { what: "starting the cleanup thread".to_owned(), source })?;
         let node = create_node(&options.domain)?;
@@ -141,7 +142,7 @@ impl Daemon {
             .map_err(|error| ServeError::transport("creating the control event", &error))?;
         let listener =
             event.listener_builder().create().map_err(|error| ServeError::transport("creating a listener", &error))?;
-        let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone()));
+        let registry = Arc::new(Registry::new(Arc::clone(&node), options.clone(), room));
         let pool = Pool::start(PoolOptions::frames(options.num_workers()))
             .map_err(|source| ServeError::System { what: "starting a worker".to_owned(), source })?;
         let metrics = options.metrics.map(|address| MetricsServer::start(address, Arc::clone(&registry)));

@@ -1,17 +1,52 @@
-//! The limit of open files. The usual soft limit of 1,024 is less than 64 sessions take, and a daemon that runs out of
-//! descriptors while it cleans up a dead node leaves files in shared memory that nothing removes.
+//! The limit of open files. The usual soft limit of 1,024 is less than 64 sessions and their observers take, and a
+//! daemon that runs out of descriptors while it cleans up a dead node leaves files in shared memory that nothing
+//! removes.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use untangled_proto::limits::MAX_OBSERVERS;
 
-/// Descriptors that a session takes: 17 by count, with repairs 25; 8 more while it is watched, and 3 for each of at
-/// most 16 observers; rounded up (`tests/daemon/operating/memory.rs` counts them).
-const PER_SESSION: u64 = 84;
+/// Descriptors that a session takes: 17 by count, with repairs 25; rounded up (`tests/daemon/operating/files.rs`
+/// counts these, and those of observers).
+const PER_SESSION: u64 = 26;
+/// Descriptors that a session takes besides once somebody has asked to watch it.
+const PER_WATCHED: u64 = 8;
+/// Descriptors that an observer takes.
+const PER_OBSERVER: u64 = 3;
+/// Descriptors of a session that is watched by as many as may. So many are kept for observers in any case.
+const MOST_WATCHED: u64 = PER_WATCHED + PER_OBSERVER * MAX_OBSERVERS as u64;
 /// Descriptors that the daemon takes itself, for its services and for requests on their way.
 const OWN: u64 = 128;
 
-/// Raises this process's limit of open files to what `max_sessions` need, as far as the system allows. Returns the
-/// number of sessions that the limit allows: at most `max_sessions`, at least 1.
-pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> usize {
+/// What the limit of open files leaves room for. Sessions have their room whoever watches; observers share the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct DescriptorRoom {
+    /// Most sessions at a time.
+    pub(crate) max_sessions: usize,
+    /// The limit itself; none where there is no limit.
+    pub(crate) limit: Option<u64>,
+    /// Descriptors for those who watch.
+    pub(crate) for_observers: u64,
+}
+
+impl DescriptorRoom {
+    fn within(limit: Option<u64>, max_sessions: usize) -> Self {
+        let Some(open) = limit else { return Self { max_sessions, limit, for_observers: u64::MAX } };
+        let room = open.saturating_sub(OWN);
+        let fitting = usize::try_from(room.saturating_sub(MOST_WATCHED) / PER_SESSION).unwrap_or(usize::MAX);
+        let max_sessions = fitting.min(max_sessions).max(1);
+        let for_observers = room.saturating_sub(max_sessions as u64 * PER_SESSION);
+        Self { max_sessions, limit, for_observers }
+    }
+}
+
+/// Descriptors of the views of a session that so many watch.
+pub(crate) fn of_views(num_observers: usize) -> u64 {
+    PER_WATCHED + PER_OBSERVER * num_observers as u64
+}
+
+/// Raises this process's limit of open files to what `max_sessions` and all of their observers need, as far as the
+/// system allows. Returns what the limit leaves room for: at most `max_sessions`, at least 1.
+pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> DescriptorRoom {
     let limit = getrlimit(Resource::Nofile);
     let needed = needed(max_sessions);
     if limit.current.is_some_and(|current| current < needed) {
@@ -21,21 +56,16 @@ pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> usize {
             tracing::debug!(%error, most, "raising the limit of open files");
         }
     }
-    let limit = getrlimit(Resource::Nofile).current;
-    let room = limit.map_or(max_sessions, |limit| sessions_within(limit).min(max_sessions));
-    if room < max_sessions {
-        let limit = limit.unwrap_or(u64::MAX);
+    let room = DescriptorRoom::within(getrlimit(Resource::Nofile).current, max_sessions);
+    if room.max_sessions < max_sessions {
+        let (limit, room) = (room.limit.unwrap_or(u64::MAX), room.max_sessions);
         tracing::warn!(limit, needed, max_sessions, room, "the limit of open files leaves room for fewer sessions");
     }
     room
 }
 
 fn needed(num_sessions: usize) -> u64 {
-    (num_sessions as u64).saturating_mul(PER_SESSION).saturating_add(OWN)
-}
-
-fn sessions_within(limit: u64) -> usize {
-    usize::try_from(limit.saturating_sub(OWN) / PER_SESSION).unwrap_or(usize::MAX).max(1)
+    (num_sessions as u64).saturating_mul(PER_SESSION + MOST_WATCHED).saturating_add(OWN)
 }
 
 #[cfg(test)]
@@ -43,11 +73,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sessions_within_inverts_needed() {
-        for num_sessions in [1, 2, 32, 64] {
-            assert_eq!(sessions_within(needed(num_sessions)), num_sessions);
-            assert_eq!(sessions_within(needed(num_sessions) - 1), (num_sessions - 1).max(1));
+    fn all_sessions_and_observers_fit_into_what_is_needed() {
+        for max_sessions in [1, 2, 32, 64] {
+            let room = DescriptorRoom::within(Some(needed(max_sessions)), max_sessions);
+            assert_eq!((room.max_sessions, room.for_observers), (max_sessions, max_sessions as u64 * MOST_WATCHED));
         }
-        assert_eq!((sessions_within(0), sessions_within(1024)), (1, 10));
+    }
+
+    #[test]
+    fn few_descriptors_leave_room_for_sessions_and_the_observers_of_one() {
+        for (limit, sessions, for_observers) in [
+            (0, 1, 0),
+            (256, 2, 76),
+            (1024, 32, 64),
+            (4096, 64, 2304),
+            (u64::MAX, 64, u64::MAX - OWN - 64 * PER_SESSION),
+        ] {
+            let room = DescriptorRoom::within(Some(limit), 64);
+            assert_eq!((room.max_sessions, room.for_observers), (sessions, for_observers), "{limit}");
+            assert!(limit < 256 || for_observers >= of_views(MAX_OBSERVERS), "{limit}");
+        }
+        assert_eq!(DescriptorRoom::within(None, 64).for_observers, u64::MAX);
     }
 }

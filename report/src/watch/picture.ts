@@ -12,7 +12,7 @@ const SLOW_MS = 50;
 const FAST_MS = 28;
 const COARSENESSES = [1, 1.4, 2];
 /** Least time from picture to picture where processors draw: the session wants them, too. */
-const SOFTWARE_MS = 85;
+const SOFTWARE_MS = 60;
 
 /** What somebody does in the picture. */
 export interface Acts {

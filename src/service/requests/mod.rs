@@ -6,8 +6,10 @@
 //! | `reply` | answers a request and sends the reply |
 //! | `registration` | reads and validates a registration |
 //! | `registry` | the open sessions |
+//! | `audience` | how many may watch them |
 //! | `status` | the report of the daemon |
 
+mod audience;
 mod control;
 pub mod registration;
 mod registry;

@@ -14,8 +14,9 @@ use iceoryx2::prelude::Node;
 use untangled_proto::{PayloadLayout, Status, sections::Sections};
 use untangled_transport::{node, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
-use super::registration;
+use super::{audience::Audience, registration};
 use crate::service::{
+    descriptors::DescriptorRoom,
     error::Refusal,
     options::ServeOptions,
     repair::{Counts, RepairWorkers},
@@ -33,6 +34,7 @@ pub(crate) struct Registry {
     workers: Arc<RepairWorkers>,
     node: Arc<Node<Ipc>>,
     options: ServeOptions,
+    audience: Audience,
     /// Tells this run of the daemon from any other.
     instance: u64,
     num_registered: AtomicU64,
@@ -43,12 +45,13 @@ pub(crate) struct Registry {
 }
 
 impl Registry {
-    pub(crate) fn new(node: Arc<Node<Ipc>>, options: ServeOptions) -> Self {
+    pub(crate) fn new(node: Arc<Node<Ipc>>, options: ServeOptions, room: DescriptorRoom) -> Self {
         Self {
             sessions: Mutex::default(),
             workers: Arc::new(RepairWorkers::new(options.num_repair_workers, options.num_workers())),
             node,
             options,
+            audience: Audience::new(room),
             instance: RandomState::new().hash_one(std::process::id()),
             num_registered: AtomicU64::new(0),
             num_registering: AtomicUsize::new(0),
@@ -60,6 +63,10 @@ impl Registry {
 
     pub(crate) fn options(&self) -> &ServeOptions {
         &self.options
+    }
+
+    pub(crate) fn audience(&self) -> &Audience {
+        &self.audience
     }
 
     pub(crate) fn node(&self) -> &Node<Ipc> {

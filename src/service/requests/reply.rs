@@ -18,7 +18,10 @@ use untangled_proto::{
 use untangled_transport::{memory, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
 use super::{registration, registry::Registry, status};
-use crate::service::error::{Refusal, ServeError};
+use crate::service::{
+    error::{Refusal, ServeError},
+    session::NewObserver,
+};
 
 /// A request that has not been replied to.
 pub(crate) type Request = ActiveRequest<Ipc, [u8], RequestHeader, [u8], ReplyHeader>;
@@ -93,9 +96,14 @@ impl Replier {
             }
             RequestKind::Observe => {
                 let session = self.registry.find(header.session)?;
-                let asked_by = ProcessId::of(request.origin().value());
-                let name = observer_name(&sections)?;
-                let mesh = session.observe(self.registry.node(), self.registry.instance(), asked_by, name)?;
+                // One that fetches the rest of a mesh has been counted.
+                if is_first_part(&sections) || session.num_observers().is_none() {
+                    let asked_by = ProcessId::of(request.origin().value());
+                    let (registry, name) = (&*self.registry, observer_name(&sections)?);
+                    let observer = NewObserver { node: registry.node(), instance: registry.instance(), asked_by, name };
+                    registry.audience().admit(|| registry.sessions().clone(), &session, observer)?;
+                }
+                let mesh = session.mesh_for_observers();
                 let payload = part(mesh, &sections)?.to_vec();
                 Ok(Answer { payload, num_bytes: mesh.len() as u64, ..Answer::default() })
             }
@@ -204,6 +212,11 @@ fn observer_name(sections: &Sections<'_>) -> Result<Option<String>, Refusal> {
         Ok(name) if !name.contains(char::is_control) => Ok(Some(name)),
         _ => refused(format_args!("section 12 (name) must be UTF-8 without control characters")),
     }
+}
+
+/// Whether an observer asks for a mesh from its beginning on.
+fn is_first_part(sections: &Sections<'_>) -> bool {
+    sections.bytes(id::FROM).is_none_or(|from| from.iter().all(|&byte| byte == 0))
 }
 
 /// The part of a mesh that an observer asks for.

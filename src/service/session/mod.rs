@@ -47,7 +47,7 @@ use pace::Pace;
 use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
-pub(crate) use watched::Observer;
+pub(crate) use watched::{NewObserver, Observer};
 use watched::{PathsPort, ViewDesk, ViewPort, mesh_bytes};
 use work::{Ports, SessionRepairs, Work};
 
@@ -184,17 +184,19 @@ impl Session {
         self.repairs.as_ref().map(|desk| desk.counts())
     }
 
-    /// Its mesh as bytes, for one that wants to watch. From now on it publishes views while somebody subscribes.
-    pub(crate) fn observe(
-        &self,
-        node: &Node<Ipc>,
-        instance: u64,
-        asked_by: Option<ProcessId>,
-        name: Option<String>,
-    ) -> Result<&[u8], Refusal> {
-        let opened = self.views.open(node, instance, self.id, asked_by, name);
-        opened.map_err(|error| Refusal::new(Status::Internal, error))?;
-        Ok(self.views.mesh(|| mesh_bytes(&self.cloth, self.precision, self.correction)))
+    /// Lets one more watch. From now on it publishes views while somebody subscribes.
+    pub(crate) fn open_to(&self, observer: NewObserver<'_>) -> Result<(), Refusal> {
+        self.views.open(self.id, observer).map_err(|error| Refusal::new(Status::Internal, error))
+    }
+
+    /// How many watch, those that have asked just now included; none where nobody has asked ever.
+    pub(crate) fn num_observers(&self) -> Option<usize> {
+        self.views.num_expected()
+    }
+
+    /// Its mesh as bytes, for those who watch.
+    pub(crate) fn mesh_for_observers(&self) -> &[u8] {
+        self.views.mesh(|| mesh_bytes(&self.cloth, self.precision, self.correction))
     }
 
     /// Who watches it.

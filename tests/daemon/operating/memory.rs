@@ -2,10 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use untangled_client::{
-    RegisterError, Registration, RequestError, Status,
-    observe::{MAX_OBSERVERS, Observer, ObserverOptions},
-};
+use untangled_client::{RegisterError, Registration, RequestError, Status};
 use untangled_proto::{PayloadLayout, Precision, SessionOptions, memory};
 use untangled_testkit::process::{Daemon, KnownCloth, PATIENCE, STEP, TestDomain, eventually, fill_flat, serve, sheet};
 
@@ -96,62 +93,6 @@ fn daemon_takes_the_memory_of_a_repair_that_it_estimates() {
     let estimate = untangled::service::session::memory_bytes(num_vertices, num_faces, Precision::F32, layout, options);
     println!("{num_vertices} vertices, {num_faces} faces: {taken} bytes taken, {estimate} estimated");
     assert!(taken < estimate && estimate < 8 * taken, "{taken} bytes taken, {estimate} estimated");
-}
-
-#[test]
-fn session_takes_the_open_files_that_the_daemon_makes_room_for() {
-    let domain = TestDomain::new();
-    let daemon = Daemon::start(&domain);
-    let client = domain.connect();
-    let open = || std::fs::read_dir(format!("/proc/{}/fd", daemon.pid())).unwrap().count();
-    for repairs in [false, true] {
-        let session = || {
-            let mut session = client.register(Registration { repairs, ..sheet(4) }).unwrap();
-            session.exchange(STEP, PATIENCE, fill_flat).unwrap();
-            if repairs {
-                session.repair(STEP, PATIENCE, fill_flat).unwrap();
-            }
-            session
-        };
-        // What requests take on their way is there after the first.
-        let first = session();
-        let before = open();
-        let sessions: Vec<_> = (0..8).map(|_| session()).collect();
-        let taken = open() - before;
-        println!("repairs {repairs}: {taken} open files for 8 sessions");
-        assert!(taken <= 8 * if repairs { 25 } else { 20 }, "{taken}");
-        drop((first, sessions));
-    }
-}
-
-#[test]
-fn observers_take_the_open_files_that_the_daemon_makes_room_for() {
-    let domain = TestDomain::new();
-    let daemon = Daemon::start(&domain);
-    let client = domain.connect();
-    let open = || std::fs::read_dir(format!("/proc/{}/fd", daemon.pid())).unwrap().count();
-    let mut sessions: Vec<_> = (0..2).map(|_| client.register(sheet(4)).unwrap()).collect();
-    let mut exchange = || {
-        for session in &mut sessions {
-            session.exchange(STEP, PATIENCE, fill_flat).unwrap();
-        }
-    };
-    let options =
-        || ObserverOptions { domain: Some(domain.name().to_owned()), timeout: PATIENCE, ..ObserverOptions::default() };
-    exchange();
-    let before = open();
-    let mut observers = Vec::new();
-    for _ in 0..MAX_OBSERVERS {
-        observers.extend([1, 2].map(|session| Observer::open(options(), session).unwrap()));
-    }
-    exchange();
-    for observer in &mut observers {
-        assert!(observer.latest(PATIENCE).unwrap().is_some());
-    }
-    // What requests take on their way counts elsewhere.
-    eventually("16 observers of each of two sessions take 8 open files, and 3 for each observer", || {
-        open() - before <= 2 * (8 + 3 * MAX_OBSERVERS)
-    });
 }
 
 #[test]

@@ -1,5 +1,6 @@
-//! What an operator meets: logs, metrics, status, memory, places, folders.
+//! What an operator meets: logs, metrics, status, memory, open files, places, folders.
 
+mod files;
 mod folders;
 mod logs;
 mod memory;

@@ -43,7 +43,8 @@ impl Observer {
     /// Cost: two requests and one for each 64 KiB of the mesh, 12 bytes a face.
     ///
     /// # Errors
-    /// [`ObserveError`]; in particular [`RequestError::Refused`] where there is no such session.
+    /// [`ObserveError`]; in particular [`RequestError::Refused`] where there is no such session, and with
+    /// [`Status::TooManyObservers`] where the daemon may not open as many files as one more observer takes.
     pub fn open(options: ObserverOptions, session: u64) -> Result<Self, ObserveError> {
         let client = connect(&options)?;
         let found = list(&client)?;

@@ -10,7 +10,7 @@ use std::{
 
 use iceoryx2::{
     port::notifier::Notifier,
-    prelude::{EventId, Node},
+    prelude::{EventId, Node, PortFactory},
 };
 use untangled_proto::{
     limits::MAX_OBSERVERS,
@@ -30,6 +30,9 @@ use crate::service::error::ServeError;
 /// Most names that are kept: of observers, and of some that have asked and do not watch yet.
 const MAX_NAMES: usize = 2 * MAX_OBSERVERS;
 
+/// Who has asked subscribes within this time, or is counted no more.
+const ON_ITS_WAY: Duration = Duration::from_secs(5);
+
 /// What the request thread and the worker of a session share about its observers.
 #[derive(Debug, Default)]
 pub(crate) struct ViewDesk {
@@ -41,6 +44,23 @@ pub(crate) struct ViewDesk {
     due_ns: AtomicU64,
     /// What observers call themselves.
     names: Mutex<Vec<(ProcessId, String)>>,
+    expected: Mutex<Option<Expected>>,
+}
+
+/// One that asks to watch: the daemon's node and run, its process, what it calls itself.
+pub(crate) struct NewObserver<'a> {
+    pub(crate) node: &'a Node<Ipc>,
+    pub(crate) instance: u64,
+    pub(crate) asked_by: Option<ProcessId>,
+    pub(crate) name: Option<String>,
+}
+
+/// How many observers there will be when all have come that have asked.
+#[derive(Clone, Copy, Debug)]
+struct Expected {
+    count: usize,
+    /// By the clock of all processes.
+    until: Duration,
 }
 
 /// Fields are dropped in order: the port before its service. The notifier shows observers that the session lives.
@@ -59,21 +79,19 @@ pub(crate) struct Observer {
 }
 
 impl ViewDesk {
-    /// Makes the services, if nobody has asked before, and notes what an observer is called.
-    pub(crate) fn open(
-        &self,
-        node: &Node<Ipc>,
-        instance: u64,
-        session: u64,
-        asked_by: Option<ProcessId>,
-        name: Option<String>,
-    ) -> Result<(), ServeError> {
+    /// Makes the services, if nobody has asked before, and notes who has asked.
+    pub(crate) fn open(&self, session: u64, observer: NewObserver<'_>) -> Result<(), ServeError> {
+        let NewObserver { node, instance, asked_by, name } = observer;
         // The lock lets one thread at a time make the services.
         let mut names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
         if self.services.get().is_none() {
             let services = Services::create(node, &names::session(instance, session, SessionService::View))?;
             let _ = self.services.set(services);
         }
+        let count = self.num_expected().unwrap_or(0) + 1;
+        let mut expected = self.expected.lock().unwrap_or_else(PoisonError::into_inner);
+        *expected = Some(Expected { count: count.min(MAX_OBSERVERS), until: clock::monotonic() + ON_ITS_WAY });
+        drop(expected);
         if let (Some(process), Some(name)) = (asked_by, name) {
             names.retain(|(other, _)| *other != process);
             names.push((process, name));
@@ -81,6 +99,15 @@ impl ViewDesk {
             names.drain(..excess);
         }
         Ok(())
+    }
+
+    /// How many watch: those that subscribe, or as many as there will be when those that have asked just now do. None
+    /// where nobody has asked ever.
+    pub(crate) fn num_expected(&self) -> Option<usize> {
+        let num_here = self.views()?.dynamic_config().number_of_subscribers();
+        let expected = self.expected.lock().unwrap_or_else(PoisonError::into_inner);
+        let recent = expected.filter(|expected| clock::monotonic() < expected.until);
+        Some(recent.map_or(0, |expected| expected.count).max(num_here))
     }
 
     /// The mesh as observers get it; `make` makes it for the first one.

@@ -17,7 +17,7 @@ mod paths;
 mod records;
 mod views;
 
-pub(crate) use desk::{Observer, ViewDesk};
+pub(crate) use desk::{NewObserver, Observer, ViewDesk};
 pub(super) use encode::View;
 pub(super) use mesh::mesh_bytes;
 pub(super) use paths::PathsPort;
