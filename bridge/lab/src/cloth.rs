@@ -68,24 +68,32 @@ impl Sheets {
     }
 }
 
-/// One square sheet of `n x n` vertices that is folded over, and goes through itself in waves: tangled in every frame.
+/// One square sheet of `n x n` vertices that is folded over, and goes through itself in waves: tangled in every frame,
+/// unless it is asked to be apart.
 #[derive(Clone, Copy, Debug)]
 pub struct Fold {
     n: u32,
     turns: bool,
+    is_apart: bool,
 }
 
 impl Fold {
     /// A sheet of `2 (n - 1)^2` triangles.
     #[must_use]
     pub const fn new(n: u32) -> Self {
-        Self { n, turns: false }
+        Self { n, turns: false, is_apart: false }
     }
 
     /// The same sheet, and it turns about an oblique axis, so that no two coordinates are alike, as in a simulation.
     #[must_use]
     pub const fn turning(self) -> Self {
         Self { turns: true, ..self }
+    }
+
+    /// The same sheet folded over itself without touching itself.
+    #[must_use]
+    pub const fn apart(self) -> Self {
+        Self { is_apart: true, ..self }
     }
 
     /// A registration with defaults for all else.
@@ -104,7 +112,7 @@ impl Fold {
 
     /// Positions of a frame, which are the same in each run.
     #[must_use]
-    pub fn positions_f32(&self, frame: u64) -> Vec<[f32; 3]> {
+    pub fn positions(&self, frame: u64) -> Vec<[f64; 3]> {
         let unit = 1.0 / f64::from(self.n - 1);
         let time = (frame % 4096) as f64 / 32.0;
         let mut positions = Vec::with_capacity((self.n * self.n) as usize);
@@ -115,13 +123,18 @@ impl Fold {
                 let (x, height) = if u < 0.5 { (u, 0.0) } else { (1.0 - u, 0.06) };
                 let place = 0.5 + 0.2 * (0.7 * time).sin();
                 let far = ((x - 0.25).powi(2) + (v - place).powi(2)) / 0.004;
-                let bump = if u < 0.5 { 0.0 } else { -0.12 * (-far).exp() };
+                let bump = if u < 0.5 || self.is_apart { 0.0 } else { -0.12 * (-far).exp() };
                 let position = [x, v, height + bump + 0.01 * (9.0 * v + time).sin()];
-                let position = if self.turns { turned(position, 1.0 + 0.2 * time) } else { position };
-                positions.push(position.map(|coordinate| coordinate as f32));
+                positions.push(if self.turns { turned(position, 1.0 + 0.2 * time) } else { position });
             }
         }
         positions
+    }
+
+    /// The same in single precision.
+    #[must_use]
+    pub fn positions_f32(&self, frame: u64) -> Vec<[f32; 3]> {
+        self.positions(frame).into_iter().map(|position| position.map(|value| value as f32)).collect()
     }
 }
 

@@ -49,7 +49,7 @@ impl Namespaces {
                 run("ip", &format!("-n {namespace} addr add 10.77.{k}.{last}/24 dev {device}"))?;
                 run("ip", &format!("-n {namespace} link set {device} up"))?;
                 if let Some(rate) = rate {
-                    let shape = format!("root tbf rate {rate} burst 16kb latency 50ms");
+                    let shape = format!("root tbf rate {rate} burst 256kb latency 50ms");
                     run("tc", &format!("-n {namespace} qdisc add dev {device} {shape}"))?;
                 }
             }

@@ -40,7 +40,15 @@ impl Proxy {
     /// If no address is free.
     #[must_use]
     pub fn start(target: SocketAddr) -> Self {
-        let address = free_address();
+        Self::start_at(free_address(), target)
+    }
+
+    /// Starts it at an address.
+    ///
+    /// # Panics
+    /// If the address can't be listened on.
+    #[must_use]
+    pub fn start_at(address: SocketAddr, target: SocketAddr) -> Self {
         let listener = TcpListener::bind(address).unwrap();
         let state = Arc::new(State::default());
         let accepting = Arc::clone(&state);

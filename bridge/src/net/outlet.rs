@@ -61,7 +61,8 @@ impl Outlet {
                 .declare_publisher(key.to_owned())
                 .priority(urgency.priority())
                 .congestion_control(urgency.congestion())
-                .express(true)
+                // Acknowledgements may share a batch, of which there are few: with one each, many sessions lose theirs.
+                .express(urgency == Urgency::Data)
                 .wait()
                 .map_err(|error| BridgeError::network("declaring a publisher", &error))
         };

@@ -12,6 +12,8 @@ use untangled_bridge_lab::{
     network::Namespaces,
 };
 
+use crate::link::{Link, in_daemon, in_host};
+
 /// A sheet of 31,250 triangles.
 pub(crate) const LARGE: Fold = Fold::new(126);
 /// A sheet of 7,938 triangles.
@@ -44,6 +46,7 @@ impl Messages {
 pub(crate) struct Setting {
     /// The daemon ends, then the host end.
     pub(crate) ends: Vec<Process>,
+    _proxies: Vec<Process>,
     _daemons: Vec<Process>,
     pub(crate) near_host: TestDomain,
     pub(crate) near_daemons: Vec<TestDomain>,
@@ -53,11 +56,11 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
-    /// Each daemon behind a link of its own; `rate` in the words of `tc`.
-    pub(crate) fn start(num_daemons: usize, rate: &str, messages: Messages) -> Self {
-        let (namespaces, words) = match Namespaces::new(num_daemons, Some(rate)) {
-            Ok(made) => (Some(made), format!("namespaces, veth, {rate}")),
-            Err(reason) => (None, format!("loopback (no namespaces: {reason})")),
+    /// Each daemon behind a link of its own.
+    pub(crate) fn start(num_daemons: usize, link: Link<'_>, messages: Messages) -> Self {
+        let (namespaces, words) = match Namespaces::new(num_daemons, Some(link.rate)) {
+            Ok(made) => (Some(made), format!("namespaces, veth, {}{}", link.rate, link.words())),
+            Err(reason) => (None, format!("loopback (no namespaces: {reason}){}", link.words())),
         };
         let authority = (messages != Messages::Clear).then(|| Authority::new("measured").unwrap());
         // What the command line does not say of an end.
@@ -84,21 +87,21 @@ impl Setting {
             let mut command =
                 ends::bridge(&["daemon", "--domain", domain.name(), "--name", &name, "--listen", &address]);
             configured(&name, &mut command);
-            started.push(Process::start(
-                namespaces.as_ref().map_or_else(|| same_command(&command), |made| made.in_daemon(k, &command)),
-            ));
+            started.push(Process::start(in_daemon(namespaces.as_ref(), k, &command)));
             addresses.push(address);
         }
         let mut command = ends::bridge(&["host", "--domain", near_host.name(), "--name", "near"]);
         configured("near", &mut command);
-        for address in &addresses {
-            command.args(["--connect", address]);
+        let mut _proxies = Vec::new();
+        for address in addresses {
+            let (proxy, near) = link.proxy(namespaces.as_ref(), &address).unzip();
+            command.args(["--connect", &near.unwrap_or(address)]);
+            _proxies.extend(proxy);
         }
-        started.push(Process::start(
-            namespaces.as_ref().map_or_else(|| same_command(&command), |made| made.in_host(&command)),
-        ));
+        started.push(Process::start(in_host(namespaces.as_ref(), &command)));
         wait_for(&near_host, num_daemons);
-        Self { ends: started, _daemons, near_host, near_daemons, _namespaces: namespaces, _authority: authority, words }
+        let (_namespaces, _authority) = (namespaces, authority);
+        Self { ends: started, _proxies, _daemons, near_host, near_daemons, _namespaces, _authority, words }
     }
 
     /// Bytes of a frame on their way to the daemon, and back, on the average so far.
@@ -132,10 +135,4 @@ fn wait_for(near_host: &TestDomain, num_daemons: usize) {
         assert!(begin.elapsed() < PATIENCE, "not all daemons are heard of");
         std::thread::sleep(Duration::from_millis(50));
     }
-}
-
-fn same_command(command: &Command) -> Command {
-    let mut same = Command::new(command.get_program());
-    same.args(command.get_args()).env("XDG_CONFIG_HOME", "/nonexistent");
-    same
 }

@@ -6,7 +6,10 @@ use untangled_bridge_lab::{cloth::Fold, ends::PATIENCE, times::Times};
 use untangled_client::{Registration, Session, StepTime};
 use untangled_proto::correction::stage;
 
-use crate::setting::{LARGE, Messages, Setting};
+use crate::{
+    link::Link,
+    setting::{LARGE, Messages, Setting},
+};
 
 pub(crate) const STEP: StepTime = StepTime { simulated_s: 0.0, dt_s: 1.0 / 60.0 };
 
@@ -35,52 +38,62 @@ fn add(times: &mut [Times; 2], [trip, way]: [Duration; 2]) {
     times[1].add(way);
 }
 
-/// Round trips of a tangled cloth in lock step, beside the daemon and through the bridge, frame by frame in turn.
+/// Round trips of a tangled cloth in lock step, over each link.
 pub(crate) fn lockstep(frames: u64) {
     println!("{HEADS}");
-    for sparse in [false, true] {
-        let setting = Setting::start(1, "1gbit", Messages::Clear);
-        let registration = Registration { sparse, ..LARGE.registration() };
-        let domains = [&setting.near_daemons[0], &setting.near_host];
-        let mut sessions = domains.map(|domain| domain.connect().register(registration.clone()).unwrap());
-        let mut times: [[Times; 2]; 2] = Default::default();
-        for frame in 0..frames + 20 {
-            for (session, times) in sessions.iter_mut().zip(&mut times) {
-                let time = exchange(session, &LARGE);
-                // The first frames search without separation certificates.
-                if frame >= 20 {
-                    add(times, time);
-                }
-            }
+    for link in Link::NEAR_AND_FAR {
+        for sparse in [false, true] {
+            lockstep_over(link, sparse, frames);
         }
-        let form = if sparse { "sparse" } else { "all vertices" };
-        row(&format!("beside the daemon, {form}"), &mut times[0]);
-        row(&format!("through the bridge, {form}: {}", setting.words), &mut times[1]);
-        let [up, down] = setting.frame_bytes();
-        println!("bytes of a frame: up {up:.0}, down {down:.0}");
     }
 }
 
-/// 60 frames a second.
+/// Beside the daemon and through the bridge, frame by frame in turn.
+fn lockstep_over(link: Link<'_>, sparse: bool, frames: u64) {
+    let setting = Setting::start(1, link, Messages::Clear);
+    let registration = Registration { sparse, ..LARGE.registration() };
+    let domains = [&setting.near_daemons[0], &setting.near_host];
+    let mut sessions = domains.map(|domain| domain.connect().register(registration.clone()).unwrap());
+    let mut times: [[Times; 2]; 2] = Default::default();
+    for frame in 0..frames + 20 {
+        for (session, times) in sessions.iter_mut().zip(&mut times) {
+            let time = exchange(session, &LARGE);
+            // The first frames search without separation certificates.
+            if frame >= 20 {
+                add(times, time);
+            }
+        }
+    }
+    let form = if sparse { "sparse" } else { "all vertices" };
+    row(&format!("beside the daemon, {form}"), &mut times[0]);
+    row(&format!("through the bridge, {form}: {}", setting.words), &mut times[1]);
+    let [up, down] = setting.frame_bytes();
+    println!("bytes of a frame: up {up:.0}, down {down:.0}");
+}
+
+/// 60 frames a second, over each link.
 pub(crate) fn rate(seconds: u64) {
     println!("{HEADS}");
-    let setting = Setting::start(1, "1gbit", Messages::Clear);
-    for (name, domain) in [("beside the daemon", &setting.near_daemons[0]), ("through the bridge", &setting.near_host)]
-    {
-        let mut session = domain.connect().register(LARGE.registration()).unwrap();
-        for _ in 0..20 {
-            exchange(&mut session, &LARGE);
+    for link in Link::NEAR_AND_FAR {
+        let setting = Setting::start(1, link, Messages::Clear);
+        for (name, domain) in
+            [("beside the daemon", &setting.near_daemons[0]), ("through the bridge", &setting.near_host)]
+        {
+            let mut session = domain.connect().register(LARGE.registration()).unwrap();
+            for _ in 0..20 {
+                exchange(&mut session, &LARGE);
+            }
+            let (begin, mut times) = (Instant::now(), <[Times; 2]>::default());
+            let before = setting.ticks();
+            for frame in 0..60 * seconds {
+                let due = begin + Duration::from_micros(frame * 16_667);
+                std::thread::sleep(due.saturating_duration_since(Instant::now()));
+                add(&mut times, exchange(&mut session, &LARGE));
+            }
+            let cost = cost_ms(&setting, &before, 60 * seconds);
+            row(&format!("{name}, 60 frames a second: {}", setting.words), &mut times);
+            println!("processor time of the ends in ms for each frame, daemon end and host end: {}", cost.join(", "));
         }
-        let (begin, mut times) = (Instant::now(), <[Times; 2]>::default());
-        let before = setting.ticks();
-        for frame in 0..60 * seconds {
-            let due = begin + Duration::from_micros(frame * 16_667);
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
-            add(&mut times, exchange(&mut session, &LARGE));
-        }
-        let cost = cost_ms(&setting, &before, 60 * seconds);
-        row(&format!("{name}, 60 frames a second: {}", setting.words), &mut times);
-        println!("processor time of the ends in ms for each frame, daemon end and host end: {}", cost.join(", "));
     }
 }
 
@@ -99,7 +112,7 @@ pub(crate) fn ways(frames: u64) {
     let cloth = LARGE.turning();
     for rate in ["1gbit", "100mbit"] {
         for messages in Messages::ALL {
-            let setting = Setting::start(1, rate, messages);
+            let setting = Setting::start(1, Link::new(rate), messages);
             let mut session = setting.near_host.connect().register(cloth.registration()).unwrap();
             for _ in 0..20 {
                 exchange(&mut session, &cloth);
@@ -127,7 +140,7 @@ pub(crate) fn ways(frames: u64) {
 pub(crate) fn hosts(frames: u64) {
     println!("{HEADS}");
     for num_daemons in [1, 3] {
-        let setting = Setting::start(num_daemons, "1gbit", Messages::Clear);
+        let setting = Setting::start(num_daemons, Link::GIGABIT, Messages::Clear);
         let register = |_| setting.near_host.connect().register(LARGE.registration()).unwrap();
         let mut sessions: Vec<Session> = (0..num_daemons).map(register).collect();
         let mut times = <[Times; 2]>::default();
