@@ -5,6 +5,16 @@
 
 use std::process::Command;
 
+/// What a link carries, in the words of `tc`.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape<'a> {
+    /// As in `1gbit`.
+    pub rate: &'a str,
+    /// What may leave at once after a pause, as in `16kb`. Segments that are longer are cut, at the cost of processor
+    /// time that a network card would not take.
+    pub burst: &'a str,
+}
+
 /// A namespace for the host, and one for each daemon, each joined with that of the host by a link of its own.
 #[derive(Debug)]
 pub struct Namespaces {
@@ -31,11 +41,11 @@ fn run(program: &str, arguments: &str) -> Result<(), String> {
 }
 
 impl Namespaces {
-    /// Makes them; `rate` is that of each link in the words of `tc`, as in `1gbit`.
+    /// Makes them, each link with this shape.
     ///
     /// # Errors
     /// What the system says where it does not allow it.
-    pub fn new(num_daemons: usize, rate: Option<&str>) -> Result<Self, String> {
+    pub fn new(num_daemons: usize, shape: Option<Shape<'_>>) -> Result<Self, String> {
         let made = Self { num_daemons };
         made.remove();
         run("ip", &format!("netns add {HOST}"))?;
@@ -48,8 +58,8 @@ impl Namespaces {
             for (namespace, device, last) in [(HOST, format!("to{k}"), 1), (&*daemon, "eth".to_owned(), 2)] {
                 run("ip", &format!("-n {namespace} addr add 10.77.{k}.{last}/24 dev {device}"))?;
                 run("ip", &format!("-n {namespace} link set {device} up"))?;
-                if let Some(rate) = rate {
-                    let shape = format!("root tbf rate {rate} burst 256kb latency 50ms");
+                if let Some(Shape { rate, burst }) = shape {
+                    let shape = format!("root tbf rate {rate} burst {burst} latency 50ms");
                     run("tc", &format!("-n {namespace} qdisc add dev {device} {shape}"))?;
                 }
             }

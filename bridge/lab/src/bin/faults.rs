@@ -15,7 +15,7 @@ use std::{
 use untangled_bridge_lab::{
     cloth::Sheets,
     ends::{self, PATIENCE, Process, TestDomain},
-    network::Namespaces,
+    network::{Namespaces, Shape},
     proxy::Proxy,
     times::Times,
 };
@@ -70,7 +70,7 @@ struct Counts {
 impl World {
     fn new(with_packets: bool) -> Result<Self, String> {
         let (way, address, listen) = if with_packets {
-            let namespaces = Namespaces::new(1, Some("1gbit"))?;
+            let namespaces = Namespaces::new(1, Some(Shape { rate: "1gbit", burst: "16kb" }))?;
             let address = namespaces.address(0);
             (Way::Packets(namespaces), address.clone(), address)
         } else {

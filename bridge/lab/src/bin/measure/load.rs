@@ -34,7 +34,7 @@ pub(crate) fn same(frames: u64) {
 /// Sessions of 7,938 triangles at 30 frames a second each, for ten seconds: how many frames came in time. `apart` is
 /// cloth that does not intersect, in double precision: more bytes for less work.
 pub(crate) fn capacity(num_daemons: usize, num_sessions: u64, rate: &str, apart: bool) {
-    let setting = Setting::start(num_daemons, Link::new(rate), Messages::Clear);
+    let setting = Setting::start(num_daemons, Link::new(rate).in_bursts(), Messages::Clear);
     let cloth = if apart { SMALL.apart() } else { SMALL };
     let precision = if apart { Precision::F64 } else { Precision::F32 };
     let registration = Registration { sparse: true, precision, ..cloth.registration() };

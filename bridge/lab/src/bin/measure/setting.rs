@@ -58,8 +58,8 @@ pub(crate) struct Setting {
 impl Setting {
     /// Each daemon behind a link of its own.
     pub(crate) fn start(num_daemons: usize, link: Link<'_>, messages: Messages) -> Self {
-        let (namespaces, words) = match Namespaces::new(num_daemons, Some(link.rate)) {
-            Ok(made) => (Some(made), format!("namespaces, veth, {}{}", link.rate, link.words())),
+        let (namespaces, words) = match Namespaces::new(num_daemons, Some(link.shape)) {
+            Ok(made) => (Some(made), format!("namespaces, veth, {}{}", link.shape.rate, link.words())),
             Err(reason) => (None, format!("loopback (no namespaces: {reason}){}", link.words())),
         };
         let authority = (messages != Messages::Clear).then(|| Authority::new("measured").unwrap());
