@@ -178,6 +178,7 @@ export class View {
       pixelsPerMetre: this.orbit.pixelsPerMetre(height),
       near: this.orbit.camera.near,
     };
+    this.cloth.prepare(this.canvas.width, this.canvas.height);
     const shares = this.shares();
     this.contours.forEach((contours, i) => contours.prepare(shares[i]!, sight));
     const isShown = (own: Dots, state: number) => shares[state]! > 0.5 && !this.hidden.has(own.name);
@@ -240,14 +241,18 @@ function placeOf(state: Shown, vertex: number): Vector3 {
 }
 
 function boxOf(states: Shown[]): { centre: Vector3; size: Vector3 } {
-  const [low, high] = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
-  const place = new Vector3();
-  for (const { positions } of states) {
-    for (let i = 0; i < positions.length; i += 3) {
-      place.fromArray(positions, i);
-      low.min(place);
-      high.max(place);
+  const [low, high] = [new Vector3(), new Vector3()];
+  for (let axis = 0; axis < 3; axis++) {
+    let [least, most] = [Infinity, -Infinity];
+    for (const { positions } of states) {
+      for (let i = axis; i < positions.length; i += 3) {
+        const value = positions[i]!;
+        if (value < least) least = value;
+        if (value > most) most = value;
+      }
     }
+    low.setComponent(axis, least);
+    high.setComponent(axis, most);
   }
   const size = high.clone().sub(low);
   return { centre: low.clone().add(high).multiplyScalar(0.5), size };

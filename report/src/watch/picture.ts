@@ -39,9 +39,9 @@ export class Picture {
   constructor(mesh: MeshMessage, first: FrameMessage, acts: Acts) {
     const surface = surfaceOfRoles(mesh.roles, mesh.triangles, mesh.numClothFaces, first.positions);
     this.view = new View(surface, [shownOf(first)], ({ path }) => acts.pick(path), true);
-    this.arrows = new Arrows(this.view.radius);
-    this.view.add(this.arrows);
     const { canvas, isSoftware } = this.view;
+    this.arrows = new Arrows(this.view.radius, isSoftware);
+    this.view.add(this.arrows);
     this.leastMs = isSoftware ? SOFTWARE_MS : 0;
     this.firstCoarseness = isSoftware ? COARSENESSES.length - 1 : 0;
     this.coarseness = this.firstCoarseness;

@@ -15,9 +15,10 @@ export function shownOf(frame: FrameMessage): Shown {
 function marked(flags: Uint8Array): Shown["marked"] {
   const names = Object.keys(FLAGS) as (keyof typeof FLAGS)[];
   const vertices: Record<keyof typeof FLAGS, number[]> = { masked: [], clamped: [], pinned: [], body: [], layer: [] };
-  flags.forEach((own, vertex) => {
-    if (own === 0) return;
+  for (let vertex = 0; vertex < flags.length; vertex++) {
+    const own = flags[vertex]!;
+    if (own === 0) continue;
     for (const name of names) if ((own & FLAGS[name]) !== 0) vertices[name].push(vertex);
-  });
+  }
   return names.map((name) => ({ name, vertices: vertices[name] })).filter(({ vertices }) => vertices.length > 0);
 }
