@@ -83,7 +83,9 @@ console.log(
 );
 
 async function prioritiseAll() {
-  for (const pid of below(process.pid)) await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
+  // This program fetches in place of a browser.
+  for (const pid of [process.pid, ...below(process.pid)])
+    await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
 }
 
 /** What was measured for some seconds. */

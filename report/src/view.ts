@@ -24,6 +24,8 @@ export class View {
   readonly canvas: HTMLCanvasElement;
   readonly orbit: OrbitCamera;
   readonly up: Up;
+  /** Whether processors draw, and no graphics card. */
+  readonly isSoftware: boolean;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly cloth: Cloth;
@@ -53,6 +55,7 @@ export class View {
     // To ask whether shaders are right waits for them.
     this.renderer.debug.checkShaderErrors = false;
     this.canvas = this.renderer.domElement;
+    this.isSoftware = isSoftware(this.renderer.getContext());
     this.orbit = new OrbitCamera(() => this.draw());
     this.cloth = new Cloth(surface, states);
     this.scene.add(this.cloth.mesh);
@@ -96,12 +99,9 @@ export class View {
     this.scene.add(overlay.object);
   }
 
-  /** Whether processors draw, and no graphics card. */
-  get isSoftware(): boolean {
-    const gl = this.renderer.getContext();
-    const named = gl.getExtension("WEBGL_debug_renderer_info");
-    const name = String(gl.getParameter(named?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
-    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  /** Metres that a pixel takes that is drawn, at the point that is looked at. */
+  get metresPerPixel(): number {
+    return 1 / this.orbit.pixelsPerMetre(this.canvas.height);
   }
 
   /** Pixels of the page to one that is drawn; 1 unless a picture takes too long. */
@@ -234,6 +234,13 @@ export class View {
     }
     return { path: null, vertex };
   }
+}
+
+/** By its name, which takes a while to get. */
+function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const named = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(named?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
 function placeOf(state: Shown, vertex: number): Vector3 {

@@ -106,19 +106,23 @@ export class Arrows implements Overlay {
     this.object.frustumCulled = false;
   }
 
-  /** Shows the corrections of a frame; says how long they are, in words. */
-  show(frame: FrameMessage, words: (value: number) => string): string {
+  /** Shows the corrections of a frame; gives back the largest. */
+  show(frame: FrameMessage): number {
     const { corrected, corrections } = frame;
-    const sizeOf = (at: number) => Math.hypot(corrections[3 * at]!, corrections[3 * at + 1]!, corrections[3 * at + 2]!);
-    let own = 0;
-    for (let at = 0; at < corrected.length; at++) own = Math.max(own, sizeOf(at));
+    let square = 0;
+    for (let i = 0; i < corrections.length; i += 3) {
+      square = Math.max(square, corrections[i]! ** 2 + corrections[i + 1]! ** 2 + corrections[i + 2]! ** 2);
+    }
+    const own = Math.sqrt(square);
     this.largest = Math.max(own, FADE * this.largest);
-    const step = Math.max(1, Math.ceil(corrected.length / this.most));
-    this.next = { frame, step };
+    this.next = { frame, step: this.step(corrected.length) };
     this.object.material.uniforms["scale"]!.value = this.largest > 0 ? (LONGEST * this.radius) / this.largest : 1;
-    if (own === 0) return "no corrections";
-    const some = step > 1 ? `, one in ${step} drawn` : "";
-    return `${corrected.length.toLocaleString("en")} corrections, the largest ${words(own)}${some}`;
+    return own;
+  }
+
+  /** Of how many corrections one is drawn. */
+  step(count: number): number {
+    return Math.max(1, Math.ceil(count / this.most));
   }
 
   private fill({ corrected, corrections, positions }: FrameMessage, step: number) {
