@@ -5,8 +5,8 @@
 //
 // The browser gives way to the session, as one does that has a graphics card or processors of its own. PRIORITIES="A B"
 // are the priorities of the session's processes and of the browser (`prioritise`), 0 and 19 without it; higher ones,
-// which need the right to them, leave other programs of a busy machine aside. With DRAWN=no frames are fetched as by a page,
-// 10 a second, and nothing is drawn: what the session has of a viewer whose drawing a graphics card does.
+// which need the right to them, leave other programs of a busy machine aside. With DRAWN=no frames are fetched as by a
+// page, 10 a second, and nothing is drawn: what the session has of a viewer whose drawing a graphics card does.
 import { createInterface } from "node:readline";
 import { launch } from "./browser.mjs";
 import { below, megabytes, prioritise, processorSeconds, processSeconds } from "./processors.mjs";
