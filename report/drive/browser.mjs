@@ -1,6 +1,6 @@
-// Headless Chromium. CHROMIUM names the program where it is not where Debian has it. PRIORITY is the priority (nice) of
-// its processes, 0 without it; a negative one, which needs the right to it, leaves other programs of a busy machine
-// aside.
+// Headless Chromium. CHROMIUM names the program where it is not where Debian has it. PRIORITY is the priority of its
+// processes (`prioritise`), that of others without it; a high one, which needs the right to it, leaves other programs
+// of a busy machine aside.
 import { existsSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -37,8 +37,7 @@ export async function launch(own, { width, height }) {
       "--disable-sync",
     ],
   });
-  const { PRIORITY } = process.env;
-  if (PRIORITY) for (const id of below(process.pid)) await prioritise(id, Number(PRIORITY));
+  await prefer();
   const complaints = [];
   const tab = await browser.newPage({ viewport: { width, height } });
   tab.setDefaultTimeout(0);
@@ -54,6 +53,12 @@ export async function launch(own, { width, height }) {
   return { browser, tab, complaints };
 }
 
+/** Gives the browser its priority: once a page is open, which may have processes of its own. */
+export async function prefer() {
+  const { PRIORITY } = process.env;
+  if (PRIORITY) for (const id of below(process.pid)) await prioritise(id, PRIORITY);
+}
+
 /** Opens a page from disk and waits until it is drawn. `processorSeconds` is asked before and after. */
 export async function open(file, size, processorSeconds = () => NaN) {
   const address = pathToFileURL(resolve(file)).href;
@@ -62,6 +67,7 @@ export async function open(file, size, processorSeconds = () => NaN) {
   await tab.goto(address);
   await tab.waitForSelector("html[data-ready]");
   await settle(tab);
+  await prefer();
   const [openMs, openProcessorS] = [performance.now() - start, processorSeconds() - startProcessorS];
   return { browser, tab, complaints, openMs, openProcessorS };
 }

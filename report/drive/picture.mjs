@@ -1,7 +1,7 @@
 // node drive/picture.mjs [SIDE [SECONDS]]: what a frame of the live page takes in headless Chromium, WebGL in software:
 // processor time of the browser, of it that of the page's script. The session is made up: 2 SIDE^2 triangles, and
 // frames that are there as fast as the page asks.
-import { launch } from "./browser.mjs";
+import { launch, prefer } from "./browser.mjs";
 import { MadeUp } from "./made-up.mjs";
 import { processorSeconds } from "./processors.mjs";
 
@@ -12,6 +12,7 @@ const client = await tab.context().newCDPSession(tab);
 await client.send("Performance.enable");
 await tab.goto(address);
 await tab.waitForSelector("html[data-ready]");
+await prefer();
 const look = async () => {
   const { metrics } = await client.send("Performance.getMetrics");
   const metric = (name) => metrics.find((one) => one.name === name).value;

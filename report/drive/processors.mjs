@@ -1,4 +1,5 @@
 // Processor time, which does not depend on what else the machine does; memory; and priorities.
+import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { setPriority } from "node:os";
 
@@ -39,10 +40,17 @@ export function processorSeconds(root = process.pid) {
 }
 
 /**
- * Sets the priority of a process: of its threads, and of its group where Linux shares processors among groups
- * (`sched_autogroup_enabled`), in which those of threads say nothing to other groups.
+ * Sets the priority of a process: `rt4` is a real-time one of 4 (`chrt --rr`), above all that have none; else that of
+ * `nice`, of its threads and of its group where Linux shares processors among groups (`sched_autogroup_enabled`), in
+ * which those of threads say nothing to other groups.
  */
-export async function prioritise(id, nice) {
+export async function prioritise(id, priority) {
+  const realTime = /^rt(\d+)$/.exec(priority)?.[1];
+  if (realTime) {
+    execFileSync("chrt", ["--rr", "--all-tasks", "--pid", realTime, String(id)]);
+    return;
+  }
+  const nice = Number(priority);
   for (const thread of readdirSync(`/proc/${id}/task`)) setPriority(Number(thread), nice);
   const group = `/proc/${id}/autogroup`;
   if (!existsSync(group) || readFileSync(group, "utf8").trim().endsWith(` nice ${nice}`)) return;

@@ -4,16 +4,16 @@
 // most 12 steps a second, so that it does not take all of the processors itself.
 //
 // The browser gives way to the session, as one does that has a graphics card or processors of its own. PRIORITIES="A B"
-// are the priorities (nice) of the session's processes and of the browser, 0 and 19 without it; negative ones, which
-// need the right to them, leave other programs of a busy machine aside. With DRAWN=no frames are fetched as by a page,
-// 10 a second, and nothing is drawn: what the session has of a viewer whose drawing a graphics card does.
+// are the priorities of the session's processes and of the browser (`prioritise`), 0 and 19 without it; higher ones,
+// which need the right to them, leave other programs of a busy machine aside. With DRAWN=no frames are fetched as by a
+// page, 10 a second, and nothing is drawn: what the session has of a viewer whose drawing a graphics card does.
 import { createInterface } from "node:readline";
 import { launch } from "./browser.mjs";
 import { below, megabytes, prioritise, processorSeconds, processSeconds } from "./processors.mjs";
 import { Processes } from "./processes.mjs";
 
 const [untangled, edge = "0.0114", seconds = "5", runs = "8"] = process.argv.slice(2);
-const [ofSession, ofBrowser] = (process.env.PRIORITIES ?? "0 19").split(" ").map(Number);
+const [ofSession, ofBrowser] = (process.env.PRIORITIES ?? "0 19").split(" ");
 const processes = new Processes(untangled, `rate-${process.pid}`);
 let trips = [];
 
@@ -38,7 +38,7 @@ await new Promise((done, failed) => {
 const address = await processes.watch();
 const { browser, tab } = await launch(address, { width: 1280, height: 900 });
 const ofTheSession = [processes.daemon, host, processes.page].map(({ pid }) => pid);
-for (const pid of below(process.pid)) await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
+await prioritiseAll();
 const middle = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
 const [withPage, without] = [[], []];
 let [isFetching, numFetched] = [false, 0];
@@ -56,6 +56,8 @@ try {
     } else {
       await tab.goto(address);
       await tab.waitForSelector("html[data-ready]");
+      // A process of the browser may be a new one.
+      await prioritiseAll();
       withPage.push(await phase());
     }
   }
@@ -79,6 +81,12 @@ console.log(
     `and ${of(withPage, "daemon").toFixed(1)} ms with it; ` +
     `memory of untangled watch ${of(withPage, "memory").toFixed(0)} MB`,
 );
+
+async function prioritiseAll() {
+  // This program fetches in place of a browser.
+  for (const pid of [process.pid, ...below(process.pid)])
+    await prioritise(pid, ofTheSession.includes(pid) ? ofSession : ofBrowser);
+}
 
 /** What was measured for some seconds. */
 async function phase() {

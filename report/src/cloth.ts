@@ -1,5 +1,13 @@
 // The mesh: two states between which a slider goes, inside regions hatched, a colour map over all of it.
-import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, ShaderMaterial, Uint32BufferAttribute } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  Mesh,
+  ShaderMaterial,
+  Uint32BufferAttribute,
+  Vector2,
+} from "three";
 
 import type { Shown } from "./data";
 import { KINDS } from "./kinds";
@@ -11,8 +19,7 @@ import type { Surface } from "./surface";
 const VERTEX = `
 attribute vec3 tint;
 attribute vec4 inside;
-varying vec3 place;
-varying vec3 colour;
+flat varying vec3 colour;
 varying vec4 region;
 #ifdef MIXED
 attribute vec3 after;
@@ -33,23 +40,25 @@ void main() {
 #ifdef MAPPED
   amount = value;
 #endif
-  vec4 seen = modelViewMatrix * vec4(at, 1.0);
-  place = seen.xyz;
   colour = tint;
-  gl_Position = projectionMatrix * seen;
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(at, 1.0));
 }`;
 
 // The normal of a face by derivatives: facets are what the mesh has.
 const FRAGMENT = `
 uniform float opacity;
-varying vec3 place;
-varying vec3 colour;
+uniform mat4 projectionMatrix;
+uniform vec2 resolution;
+flat varying vec3 colour;
 varying vec4 region;
 #ifdef MAPPED
 uniform sampler2D map;
 varying float amount;
 #endif
 void main() {
+  // Where the pixel is, as the camera sees it: of its depth, which it has anyway.
+  vec2 across = 2.0 * gl_FragCoord.xy / resolution - 1.0;
+  vec3 place = vec3(across / vec2(projectionMatrix[0][0], projectionMatrix[1][1]), -1.0) / gl_FragCoord.w;
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float light = 0.6 + 0.3 * abs(normal.z) + 0.14 * dot(normal * sign(normal.z), vec3(-0.5, 0.75, 0.45));
 #ifdef MAPPED
@@ -95,6 +104,11 @@ export class Cloth {
     this.mesh = new Mesh(geometry, this.materials);
     this.mesh.frustumCulled = false;
     this.setSeeThrough(false);
+  }
+
+  /** Before each picture: its size in pixels that are drawn. */
+  prepare(width: number, height: number) {
+    for (const { uniforms } of this.materials) (uniforms["resolution"]!.value as Vector2).set(width, height);
   }
 
   setMixing(mixing: number) {
@@ -146,6 +160,7 @@ function material(opacity: number, isMixed: boolean): ShaderMaterial {
     mixing: { value: 0 },
     map: { value: textureOf(null) },
     opacity: { value: opacity },
+    resolution: { value: new Vector2(1, 1) },
   };
   // Paths lie in the surface: it stands back a little for them.
   const offset = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 };
@@ -166,11 +181,13 @@ function insides(state: Shown): BufferAttribute {
   return new BufferAttribute(colours, 4, true);
 }
 
-const COLOURS = KINDS.map((kind) => [...rgb(kind.colour), 255]);
-const NOTHING = [0, 0, 0, 0];
+/** Four bytes of each type of path, counted from 1, as one number; 0 is inside of none, as is any other. */
+const COLOURS = new Uint32Array(256);
+KINDS.forEach((kind, number) => new Uint8Array(COLOURS.buffer, 4 * (number + 1)).set([...rgb(kind.colour), 255]));
 
 function colourInside(colours: Uint8Array, inside: Uint8Array) {
-  inside.forEach((number, vertex) => colours.set(COLOURS[number - 1] ?? NOTHING, 4 * vertex));
+  const whole = new Uint32Array(colours.buffer, colours.byteOffset, inside.length);
+  for (let vertex = 0; vertex < inside.length; vertex++) whole[vertex] = COLOURS[inside[vertex]!]!;
 }
 
 export function rgb(colour: string): [number, number, number] {

@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, Group, Points, PointsMaterial, Vector3
 import type { Shown } from "./data";
 import { markerTexture } from "./dots";
 import { DASHES, type Kind, KINDS } from "./kinds";
-import { type LineStyle, Lines } from "./lines";
+import { type LineStyle, Lines, quadsOf } from "./lines";
 
 const WIDTH = 3.2;
 /** Most markers: more would be a carpet. The longest paths have them. */
@@ -18,7 +18,7 @@ function segments(state: Shown, isWanted: (path: number) => boolean): Float32Arr
   let at = 0;
   for (const { first, count } of lines) {
     for (let i = first; i + 1 < first + count; i++, at += 6) {
-      result.set(state.points.subarray(3 * i, 3 * i + 6), at);
+      for (let k = 0; k < 6; k++) result[at + k] = state.points[3 * i + k]!;
     }
   }
   return result;
@@ -43,7 +43,12 @@ export function placesOf(state: Shown): { place: Vector3; radius: number }[] {
   });
   for (const { path, first, count } of state.lines) {
     const own = places[path]!;
-    for (let i = first; i < first + count; i++) own.radius = Math.max(own.radius, own.place.distanceTo(point(i)));
+    let square = own.radius ** 2;
+    for (let i = 3 * first; i < 3 * (first + count); i += 3) {
+      const [x, y, z] = [state.points[i]!, state.points[i + 1]!, state.points[i + 2]!];
+      square = Math.max(square, (x - own.place.x) ** 2 + (y - own.place.y) ** 2 + (z - own.place.z) ** 2);
+    }
+    own.radius = Math.sqrt(square);
   }
   return places;
 }
@@ -77,9 +82,10 @@ export class Contours {
       const corners = segments(state, isOwn);
       if (corners.length === 0) continue;
       const group = new Group();
+      const quads = quadsOf(corners);
       const style = { colour: kind.colour, width: WIDTH, dash: DASHES[kind.dash] };
-      const hidden = this.line(corners, { ...style, isOnTop: true, opacity: 0.3 }, 1);
-      const open = this.line(corners, { ...style, isOnTop: false, opacity: 1 }, 2);
+      const hidden = this.line(quads, { ...style, isOnTop: true, opacity: 0.3 }, 1);
+      const open = this.line(quads, { ...style, isOnTop: false, opacity: 1 }, 2);
       this.lines.push(hidden, open);
       group.add(hidden.mesh, open.mesh);
       group.add(this.markers(kind, marked.filter(isOwn)));
@@ -89,8 +95,8 @@ export class Contours {
     this.group.add(this.picked);
   }
 
-  private line(corners: Float32Array, style: LineStyle, order: number): Lines {
-    const lines = new Lines(corners, style);
+  private line(quads: BufferGeometry, style: LineStyle, order: number): Lines {
+    const lines = new Lines(quads, style);
     lines.mesh.renderOrder = order;
     return lines;
   }
@@ -121,11 +127,11 @@ export class Contours {
     const kind = KINDS.find((kind) => path !== null && kind.name === this.state.paths[path]?.pair_type);
     this.pickedLines = [];
     if (!kind) return;
-    const corners = segments(this.state, (other) => other === path);
+    const quads = quadsOf(segments(this.state, (other) => other === path));
     const style = { isOnTop: true, opacity: 1 };
     this.pickedLines = [
-      this.line(corners, { ...style, colour: "#ffe14d", width: 3 * WIDTH, dash: null }, 5),
-      this.line(corners, { ...style, colour: kind.colour, width: 1.3 * WIDTH, dash: DASHES[kind.dash] }, 6),
+      this.line(quads, { ...style, colour: "#ffe14d", width: 3 * WIDTH, dash: null }, 5),
+      this.line(quads, { ...style, colour: kind.colour, width: 1.3 * WIDTH, dash: DASHES[kind.dash] }, 6),
     ];
     this.pickedLines.forEach((lines) => this.picked.add(lines.mesh));
   }

@@ -28,14 +28,18 @@ export function metres(value: number, scale = Math.abs(value)): string {
   return `${digits(value * factor)} ${unit}`;
 }
 
+// One for all: to make one takes longer than what it writes.
+const WHOLE = new Intl.NumberFormat("en");
+const FOUR = new Intl.NumberFormat("en", { maximumSignificantDigits: 4 });
+
 /** Four digits, without more than a number needs. */
 export function digits(value: number): string {
-  if (Number.isInteger(value)) return value.toLocaleString("en");
+  if (Number.isInteger(value)) return WHOLE.format(value);
   const size = Math.abs(value);
   if (size >= 1e7 || size < 1e-4) return value.toExponential(3);
-  return Number(value.toPrecision(4)).toLocaleString("en", { maximumSignificantDigits: 4 });
+  return FOUR.format(Number(value.toPrecision(4)));
 }
 
 export function counted(count: number, one: string, many = `${one}s`): string {
-  return `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+  return `${WHOLE.format(count)} ${count === 1 ? one : many}`;
 }

@@ -55,6 +55,10 @@ void main() {
   gl_FragColor = vec4(colour, opacity);
 }`;
 
+/** Of a quad: whether a corner is at the end of its segment, and on which side; and its two triangles. */
+const CORNERS = [0, -1, 1, -1, 0, 1, 1, 1];
+const TRIANGLES = [0, 1, 2, 2, 1, 3];
+
 export interface LineStyle {
   colour: string;
   /** In pixels. */
@@ -66,42 +70,49 @@ export interface LineStyle {
   opacity: number;
 }
 
+/** A quad for each segment. `corners` are those of segments, two by two. */
+export function quadsOf(corners: Float32Array): BufferGeometry {
+  const count = corners.length / 6;
+  const [starts, ends] = [new Float32Array(12 * count), new Float32Array(12 * count)];
+  const [distances, corner] = [new Float32Array(8 * count), new Float32Array(8 * count)];
+  const index = new Uint32Array(6 * count);
+  let travelled = 0;
+  for (let i = 0; i < count; i++) {
+    const from = travelled;
+    let square = 0;
+    for (let axis = 0; axis < 3; axis++) {
+      const [start, end] = [corners[6 * i + axis]!, corners[6 * i + 3 + axis]!];
+      square += (end - start) ** 2;
+      for (let at = 12 * i + axis; at < 12 * (i + 1); at += 3) {
+        starts[at] = start;
+        ends[at] = end;
+      }
+    }
+    travelled += Math.sqrt(square);
+    for (let at = 8 * i; at < 8 * (i + 1); at += 2) {
+      distances[at] = from;
+      distances[at + 1] = travelled;
+    }
+    corner.set(CORNERS, 8 * i);
+    for (let k = 0; k < 6; k++) index[6 * i + k] = 4 * i + TRIANGLES[k]!;
+  }
+  const geometry = new BufferGeometry();
+  geometry.setIndex(new BufferAttribute(index, 1));
+  geometry.setAttribute("position", new BufferAttribute(starts, 3));
+  geometry.setAttribute("end", new BufferAttribute(ends, 3));
+  geometry.setAttribute("distances", new BufferAttribute(distances, 2));
+  geometry.setAttribute("corner", new BufferAttribute(corner, 2));
+  return geometry;
+}
+
 export class Lines {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
 
-  /** `corners` are those of segments, two by two. */
+  /** Lines of the same quads may share them. */
   constructor(
-    corners: Float32Array,
+    geometry: BufferGeometry,
     private readonly style: LineStyle,
   ) {
-    const count = corners.length / 6;
-    const [starts, ends] = [new Float32Array(12 * count), new Float32Array(12 * count)];
-    const [distances, corner, index] = [
-      new Float32Array(8 * count),
-      new Float32Array(8 * count),
-      new Uint32Array(6 * count),
-    ];
-    let travelled = 0;
-    for (let i = 0; i < count; i++) {
-      const from = travelled;
-      travelled += Math.hypot(...[0, 1, 2].map((axis) => corners[6 * i + 3 + axis]! - corners[6 * i + axis]!));
-      for (let k = 0; k < 4; k++) {
-        starts.set(corners.subarray(6 * i, 6 * i + 3), 12 * i + 3 * k);
-        ends.set(corners.subarray(6 * i + 3, 6 * i + 6), 12 * i + 3 * k);
-        distances.set([from, travelled], 8 * i + 2 * k);
-      }
-      corner.set([0, -1, 1, -1, 0, 1, 1, 1], 8 * i);
-      index.set(
-        [0, 1, 2, 2, 1, 3].map((k) => 4 * i + k),
-        6 * i,
-      );
-    }
-    const geometry = new BufferGeometry();
-    geometry.setIndex(new BufferAttribute(index, 1));
-    geometry.setAttribute("position", new BufferAttribute(starts, 3));
-    geometry.setAttribute("end", new BufferAttribute(ends, 3));
-    geometry.setAttribute("distances", new BufferAttribute(distances, 2));
-    geometry.setAttribute("corner", new BufferAttribute(corner, 2));
     const material = new ShaderMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,

@@ -24,6 +24,8 @@ export class View {
   readonly canvas: HTMLCanvasElement;
   readonly orbit: OrbitCamera;
   readonly up: Up;
+  /** Whether processors draw, and no graphics card. */
+  readonly isSoftware: boolean;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly cloth: Cloth;
@@ -53,6 +55,7 @@ export class View {
     // To ask whether shaders are right waits for them.
     this.renderer.debug.checkShaderErrors = false;
     this.canvas = this.renderer.domElement;
+    this.isSoftware = isSoftware(this.renderer.getContext());
     this.orbit = new OrbitCamera(() => this.draw());
     this.cloth = new Cloth(surface, states);
     this.scene.add(this.cloth.mesh);
@@ -96,12 +99,9 @@ export class View {
     this.scene.add(overlay.object);
   }
 
-  /** Whether processors draw, and no graphics card. */
-  get isSoftware(): boolean {
-    const gl = this.renderer.getContext();
-    const named = gl.getExtension("WEBGL_debug_renderer_info");
-    const name = String(gl.getParameter(named?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
-    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  /** Metres that a pixel takes that is drawn, at the point that is looked at. */
+  get metresPerPixel(): number {
+    return 1 / this.orbit.pixelsPerMetre(this.canvas.height);
   }
 
   /** Pixels of the page to one that is drawn; 1 unless a picture takes too long. */
@@ -178,6 +178,7 @@ export class View {
       pixelsPerMetre: this.orbit.pixelsPerMetre(height),
       near: this.orbit.camera.near,
     };
+    this.cloth.prepare(this.canvas.width, this.canvas.height);
     const shares = this.shares();
     this.contours.forEach((contours, i) => contours.prepare(shares[i]!, sight));
     const isShown = (own: Dots, state: number) => shares[state]! > 0.5 && !this.hidden.has(own.name);
@@ -235,19 +236,30 @@ export class View {
   }
 }
 
+/** By its name, which takes a while to get. */
+function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const named = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(named?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 function placeOf(state: Shown, vertex: number): Vector3 {
   return new Vector3().fromArray(state.positions, 3 * vertex);
 }
 
 function boxOf(states: Shown[]): { centre: Vector3; size: Vector3 } {
-  const [low, high] = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
-  const place = new Vector3();
-  for (const { positions } of states) {
-    for (let i = 0; i < positions.length; i += 3) {
-      place.fromArray(positions, i);
-      low.min(place);
-      high.max(place);
+  const [low, high] = [new Vector3(), new Vector3()];
+  for (let axis = 0; axis < 3; axis++) {
+    let [least, most] = [Infinity, -Infinity];
+    for (const { positions } of states) {
+      for (let i = axis; i < positions.length; i += 3) {
+        const value = positions[i]!;
+        if (value < least) least = value;
+        if (value > most) most = value;
+      }
     }
+    low.setComponent(axis, least);
+    high.setComponent(axis, most);
   }
   const size = high.clone().sub(low);
   return { centre: low.clone().add(high).multiplyScalar(0.5), size };

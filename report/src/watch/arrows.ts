@@ -8,8 +8,9 @@ import type { Overlay } from "../view";
 import type { FrameMessage } from "./message";
 import { ARROW } from "./palette";
 
-/** More would be a carpet; of more, each so many-th is drawn. */
+/** More would be a carpet; of more, each so many-th is drawn. Fewer where processors draw. */
 const MOST = 1200;
+const MOST_IN_SOFTWARE = 400;
 /** Length of the longest arrow in parts of half of the cloth's diagonal. */
 const LONGEST = 0.16;
 /** What is left of the largest correction after each frame, where later ones are smaller. */
@@ -64,14 +65,23 @@ void main() {
 
 export class Arrows implements Overlay {
   readonly object: Mesh<BufferGeometry, ShaderMaterial>;
-  private readonly starts = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * MOST), 3);
-  private readonly values = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * MOST), 3);
+  private readonly starts: BufferAttribute;
+  private readonly values: BufferAttribute;
+  private readonly most: number;
   private largest = 0;
+  /** Those that are not in the picture's buffers yet. */
+  private next: { frame: FrameMessage; step: number } | null = null;
 
   /** `radius`: half of the cloth's diagonal, in metres. */
-  constructor(private readonly radius: number) {
-    const [corners, index] = [new Float32Array(CORNERS.length * MOST), new Uint16Array(TRIANGLES.length * MOST)];
-    for (let arrow = 0; arrow < MOST; arrow++) {
+  constructor(
+    private readonly radius: number,
+    isSoftware: boolean,
+  ) {
+    const most = (this.most = isSoftware ? MOST_IN_SOFTWARE : MOST);
+    this.starts = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * most), 3);
+    this.values = new BufferAttribute(new Float32Array(3 * NUM_CORNERS * most), 3);
+    const [corners, index] = [new Float32Array(CORNERS.length * most), new Uint16Array(TRIANGLES.length * most)];
+    for (let arrow = 0; arrow < most; arrow++) {
       corners.set(CORNERS, CORNERS.length * arrow);
       index.set(
         TRIANGLES.map((corner) => NUM_CORNERS * arrow + corner),
@@ -96,20 +106,36 @@ export class Arrows implements Overlay {
     this.object.frustumCulled = false;
   }
 
-  /** Shows the corrections of a frame; says how long they are, in words. */
-  show(frame: FrameMessage, words: (value: number) => string): string {
-    const { corrected, corrections, positions } = frame;
-    const sizeOf = (at: number) => Math.hypot(corrections[3 * at]!, corrections[3 * at + 1]!, corrections[3 * at + 2]!);
-    let own = 0;
-    for (let at = 0; at < corrected.length; at++) own = Math.max(own, sizeOf(at));
+  /** Shows the corrections of a frame; gives back the largest. */
+  show(frame: FrameMessage): number {
+    const { corrected, corrections } = frame;
+    let square = 0;
+    for (let i = 0; i < corrections.length; i += 3) {
+      square = Math.max(square, corrections[i]! ** 2 + corrections[i + 1]! ** 2 + corrections[i + 2]! ** 2);
+    }
+    const own = Math.sqrt(square);
     this.largest = Math.max(own, FADE * this.largest);
-    const step = Math.max(1, Math.ceil(corrected.length / MOST));
+    this.next = { frame, step: this.step(corrected.length) };
+    this.object.material.uniforms["scale"]!.value = this.largest > 0 ? (LONGEST * this.radius) / this.largest : 1;
+    return own;
+  }
+
+  /** Of how many corrections one is drawn. */
+  step(count: number): number {
+    return Math.max(1, Math.ceil(count / this.most));
+  }
+
+  private fill({ corrected, corrections, positions }: FrameMessage, step: number) {
+    const [starts, values] = [this.starts.array, this.values.array];
     let count = 0;
     for (let at = 0; at < corrected.length; at += step, count++) {
       const vertex = corrected[at]!;
-      for (let corner = NUM_CORNERS * count; corner < NUM_CORNERS * (count + 1); corner++) {
-        this.starts.array.set(positions.subarray(3 * vertex, 3 * vertex + 3), 3 * corner);
-        this.values.array.set(corrections.subarray(3 * at, 3 * at + 3), 3 * corner);
+      for (let axis = 0; axis < 3; axis++) {
+        const [start, value] = [positions[3 * vertex + axis]!, corrections[3 * at + axis]!];
+        for (let corner = 0, i = 3 * NUM_CORNERS * count + axis; corner < NUM_CORNERS; corner++, i += 3) {
+          starts[i] = start;
+          values[i] = value;
+        }
       }
     }
     this.object.geometry.setDrawRange(0, TRIANGLES.length * count);
@@ -118,13 +144,13 @@ export class Arrows implements Overlay {
       attribute.addUpdateRange(0, 3 * NUM_CORNERS * count);
       attribute.needsUpdate = true;
     }
-    this.object.material.uniforms["scale"]!.value = this.largest > 0 ? (LONGEST * this.radius) / this.largest : 1;
-    if (own === 0) return "no corrections";
-    const some = step > 1 ? `, one in ${step} drawn` : "";
-    return `${corrected.length.toLocaleString("en")} corrections, the largest ${words(own)}${some}`;
   }
 
+  /** Fills the buffers, if it shows. */
   prepare({ width, height, near }: Sight) {
+    if (!this.object.visible) return;
+    if (this.next) this.fill(this.next.frame, this.next.step);
+    this.next = null;
     const { uniforms } = this.object.material;
     (uniforms["resolution"]!.value as Vector2).set(width, height);
     uniforms["near"]!.value = near;

@@ -140,7 +140,7 @@ class Page {
       this.chosen.replaceChildren(this.list.details() ?? "");
     }
     document.documentElement.dataset["frame"] = String(frame.frame);
-    await this.picture?.show(frame, this.picked, isSaid);
+    await this.picture?.show(frame, this.picked, isLive, isSaid);
   }
 
   private open(frame: FrameMessage) {

@@ -36,7 +36,6 @@ export interface FrameHeader {
   /** `displacement`, `force`, `acceleration` or `velocity`, and its unit. */
   correction: string;
   unit: string;
-  paths: PathMessage[];
   /** Nothing where there is no body, and one layer. */
   wrong?: WrongMessage[];
   counts: Record<string, number>;
@@ -50,6 +49,8 @@ export interface FrameHeader {
 export interface FrameMessage extends FrameHeader {
   /** When it came, in milliseconds of the page. */
   at: number;
+  /** Read from the bytes again where another frame's were asked for last: all that many small objects take long. */
+  readonly paths: PathMessage[];
   positions: Float32Array;
   /** Bits of `FLAGS`. */
   flags: Uint8Array;
@@ -68,10 +69,16 @@ export const FLAGS = { masked: 1, clamped: 2, pinned: 4, body: 8, layer: 16 } as
 
 type Arrays = Record<string, [kind: "u8" | "u32" | "f32", offset: number, count: number]>;
 
-function read(buffer: ArrayBuffer) {
+type Header = Record<string, unknown> & { arrays: Arrays };
+
+function headerOf(buffer: ArrayBuffer): { header: Header; length: number } {
   const length = new DataView(buffer).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(buffer, 4, length));
-  const header = JSON.parse(text) as Record<string, unknown> & { arrays: Arrays };
+  return { header: JSON.parse(text) as Header, length };
+}
+
+function read(buffer: ArrayBuffer) {
+  const { header, length } = headerOf(buffer);
   const place = (name: string) => {
     const [, offset, count] = header.arrays[name] ?? ["u8", 0, 0];
     return [4 + length + offset, count] as const;
@@ -99,11 +106,22 @@ export function readMesh(buffer: ArrayBuffer): MeshMessage {
   return { numVertices, triangles, numClothFaces: cloth.length, roles: roles.length > 0 ? roles : null };
 }
 
+/** Those that were asked for last. */
+let lastPaths: { buffer: ArrayBuffer; paths: PathMessage[] } | null = null;
+
 export function readFrame(buffer: ArrayBuffer, at: number): FrameMessage {
   const { header, bytes, whole, singles } = read(buffer);
+  const { paths, ...own } = header as unknown as FrameHeader & { paths: PathMessage[] };
+  lastPaths = { buffer, paths };
   return {
-    ...(header as unknown as FrameHeader),
+    ...own,
     at,
+    get paths() {
+      if (lastPaths?.buffer !== buffer) {
+        lastPaths = { buffer, paths: (headerOf(buffer).header as unknown as { paths: PathMessage[] }).paths };
+      }
+      return lastPaths.paths;
+    },
     positions: singles("positions"),
     flags: bytes("flags"),
     inside: bytes("inside"),

@@ -1,6 +1,6 @@
 // The picture of one session, with what belongs to it.
 import { viewControls } from "../controls";
-import { digits, el, metres } from "../dom";
+import { counted, digits, el, metres } from "../dom";
 import { surfaceOfRoles } from "../surface";
 import { View } from "../view";
 import { Arrows } from "./arrows";
@@ -13,6 +13,8 @@ const FAST_MS = 28;
 const COARSENESSES = [1, 1.4, 2];
 /** Least time from picture to picture where processors draw: the session wants them, too. */
 const SOFTWARE_MS = 60;
+/** Points of paths that are so near are one in live pictures there. */
+const LEAST_PIXELS = 2;
 
 /** What somebody does in the picture. */
 export interface Acts {
@@ -38,10 +40,10 @@ export class Picture {
 
   constructor(mesh: MeshMessage, first: FrameMessage, acts: Acts) {
     const surface = surfaceOfRoles(mesh.roles, mesh.triangles, mesh.numClothFaces, first.positions);
-    this.view = new View(surface, [shownOf(first)], ({ path }) => acts.pick(path), true);
-    this.arrows = new Arrows(this.view.radius);
-    this.view.add(this.arrows);
+    this.view = new View(surface, [shownOf(first, 0)], ({ path }) => acts.pick(path), true);
     const { canvas, isSoftware } = this.view;
+    this.arrows = new Arrows(this.view.radius, isSoftware);
+    this.view.add(this.arrows);
     this.leastMs = isSoftware ? SOFTWARE_MS : 0;
     this.firstCoarseness = isSoftware ? COARSENESSES.length - 1 : 0;
     this.coarseness = this.firstCoarseness;
@@ -81,12 +83,20 @@ export class Picture {
     this.view.draw();
   }
 
-  /** Resolves when it is drawn. `isSaid`: words follow as well. */
-  show(frame: FrameMessage, picked: number | null, isSaid: boolean): Promise<void> {
-    const unit = (value: number) => (frame.unit === "m" ? metres(value) : `${digits(value)} ${frame.unit}`);
-    const words = this.arrows.show(frame, unit);
-    if (isSaid) this.arrowWords.textContent = words;
-    this.view.setStates([shownOf(frame)]);
+  private sayArrows({ corrected, unit }: FrameMessage, largest: number) {
+    const size = unit === "m" ? metres(largest) : `${digits(largest)} ${unit}`;
+    const step = this.arrows.step(corrected.length);
+    const some = step > 1 ? `, one in ${step} drawn` : "";
+    const words = `${counted(corrected.length, "correction")}, the largest ${size}${some}`;
+    this.arrowWords.textContent = largest === 0 ? "no corrections" : words;
+  }
+
+  /** Resolves when it is drawn. `isLive`: as coarse as live pictures are; `isSaid`: words follow as well. */
+  show(frame: FrameMessage, picked: number | null, isLive: boolean, isSaid: boolean): Promise<void> {
+    const largest = this.arrows.show(frame);
+    if (isSaid) this.sayArrows(frame, largest);
+    const apart = isLive && this.view.isSoftware ? LEAST_PIXELS * this.view.metresPerPixel : 0;
+    this.view.setStates([shownOf(frame, apart)]);
     if (picked !== null) this.view.pickPath(0, picked, false);
     // `setStates` has asked for a picture in the next frame of the screen; the one after that comes when it is drawn.
     return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())));
