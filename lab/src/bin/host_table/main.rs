@@ -96,7 +96,10 @@ impl Options {
     fn settings(&self, method: &str, level: u32) -> Result<Settings, Box<dyn Error>> {
         let mut settings = Settings::default();
         settings.steps_to_clean = self.steps_to_clean.unwrap_or(settings.steps_to_clean);
-        settings.path_rings <<= if self.is_mask_kept { level } else { 0 };
+        if self.is_mask_kept {
+            // The corners of the faces along a path are a ring too.
+            settings.path_rings = ((settings.path_rings + 1) << level) - 1;
+        }
         match named::<Quality>(method) {
             Ok(quality) => quality.apply(&mut settings),
             Err(_) => settings.response = named(method)?,
