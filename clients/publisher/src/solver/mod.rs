@@ -102,9 +102,12 @@ pub struct Solver {
     stretch: Stretch,
     bend: Bend,
     contacts: Contacts,
+    /// Positions at which contact was looked for last.
+    searched: Vec<Vec3>,
     /// How far each pinned vertex goes in the next step; empty where they stay.
     carried: Vec<(u32, Vec3)>,
-    /// Largest displacement of a vertex in a step, in metres; contact looks that far ahead.
+    /// Largest displacement of a vertex in a substep, in metres; contact looks that far ahead, and again where one has
+    /// come as far. A limit for a whole step would hold finer meshes back, however hard they are pushed.
     reach_m: f64,
 }
 
@@ -124,6 +127,7 @@ impl Solver {
         Self {
             velocities: vec![Vec3::zeros(); cloth.positions.len()],
             previous: cloth.positions.clone(),
+            searched: cloth.positions.clone(),
             masses_kg,
             inverse_masses,
             stretch: Stretch::new(&cloth, parameters.stretch_n_m),
@@ -169,6 +173,18 @@ impl Solver {
         self.carried.extend(pins.iter().map(way));
     }
 
+    fn look_for_contact(&mut self, help: &Help<'_>) {
+        self.contacts.find(&self.cloth, Off { masked: help.no_contact, filter: help.contact_filter });
+        self.searched.clone_from(&self.cloth.positions);
+    }
+
+    /// Whether some vertex may come farther in a substep than contact has looked.
+    fn may_leave_reach(&self, substep_s: f64) -> bool {
+        let Self { cloth, searched, velocities, reach_m, .. } = self;
+        let mut ways = cloth.positions.iter().zip(searched).zip(velocities);
+        ways.any(|((now, then), velocity)| (now - then).norm() + velocity.norm() * substep_s > *reach_m)
+    }
+
     /// Moves the cloth on by `dt_s` seconds.
     pub fn step(&mut self, dt_s: f64, help: Help<'_>) {
         let free = |vertex: usize, inverse_masses: &[f64]| inverse_masses[vertex] > 0.0;
@@ -177,12 +193,15 @@ impl Solver {
                 self.cloth.positions[vertex] += displacement;
             }
         }
-        self.contacts.find(&self.cloth, Off { masked: help.no_contact, filter: help.contact_filter });
+        self.look_for_contact(&help);
 
         let substep_s = dt_s / f64::from(self.parameters.num_substeps);
         let kept = (-self.parameters.drag_1_s * substep_s).exp();
-        let fastest_m_s = self.reach_m / dt_s;
+        let fastest_m_s = self.reach_m / substep_s;
         for _ in 0..self.parameters.num_substeps {
+            if self.may_leave_reach(substep_s) {
+                self.look_for_contact(&help);
+            }
             for vertex in 0..self.cloth.positions.len() {
                 self.previous[vertex] = self.cloth.positions[vertex];
                 if !free(vertex, &self.inverse_masses) {
