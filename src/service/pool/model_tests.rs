@@ -1,6 +1,6 @@
-//! The queue with the locks of a model (loom), which tries every order in which threads may come, but for those in which
-//! threads are interrupted more than twice in all where they need not wait. A worker that nobody wakes is a deadlock
-//! there.
+//! The queue with the locks of a model (loom), which tries every order in which threads may come, but for those in
+//! which threads are interrupted more than twice in all where they need not wait. A worker that nobody wakes is a
+//! deadlock there.
 
 /// The queue, once more.
 #[expect(clippy::duplicate_mod, reason = "with other locks")]
