@@ -4,7 +4,7 @@
 //! jobs wait for other small jobs only. A job that is to be done again queues behind the others.
 
 mod alone;
-#[cfg(test)]
+#[cfg(all(test, model))]
 mod model_tests;
 mod priority;
 mod queue;
@@ -124,7 +124,7 @@ impl<J: Job> Shared<J> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, not(model)))]
 mod tests {
     use std::sync::mpsc::{Receiver, Sender, channel};
 

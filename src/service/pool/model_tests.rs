@@ -2,16 +2,6 @@
 //! which threads are interrupted more than twice in all where they need not wait. A worker that nobody wakes is a
 //! deadlock there.
 
-/// The queue, once more.
-#[expect(clippy::duplicate_mod, reason = "with other locks")]
-#[path = "queue.rs"]
-mod queue;
-
-/// What it waits by here.
-mod sync {
-    pub(super) use loom::sync::{Condvar, Mutex, MutexGuard};
-}
-
 use std::collections::VecDeque;
 
 use loom::{
@@ -22,8 +12,11 @@ use loom::{
     },
     thread,
 };
-use queue::{Job, Queue, Taken};
-use sync::{Condvar, Mutex};
+
+use super::{
+    queue::{Job, Queue, Taken},
+    sync::{Condvar, Mutex},
+};
 
 /// Keeps threads waiting until it is open.
 #[derive(Debug)]
