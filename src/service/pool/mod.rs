@@ -4,7 +4,8 @@
 //! jobs wait for other small jobs only. A job that is to be done again queues behind the others.
 
 mod alone;
-#[cfg(all(test, model))]
+#[cfg(test)]
+#[cfg(model)]
 mod model_tests;
 mod priority;
 mod queue;
@@ -124,7 +125,8 @@ impl<J: Job> Shared<J> {
     }
 }
 
-#[cfg(all(test, not(model)))]
+#[cfg(test)]
+#[cfg(not(model))]
 mod tests {
     use std::sync::mpsc::{Receiver, Sender, channel};
 
