@@ -128,7 +128,10 @@ impl<J: Job> Shared<J> {
 #[cfg(test)]
 #[cfg(not(model))]
 mod tests {
-    use std::sync::mpsc::{Receiver, Sender, channel};
+    use std::{
+        sync::mpsc::{Receiver, Sender, channel},
+        time::Duration,
+    };
 
     use super::{priority::NICE, *};
 
@@ -161,7 +164,7 @@ mod tests {
         assert!((0.8f64.powi(NICE) - 0.5).abs() < 0.02);
     }
 
-    /// Reports when it begins, and ends when the test releases it.
+    /// Reports when it begins, and ends when the test releases it. Done again it is small.
     struct Task {
         name: &'static str,
         large: bool,
@@ -181,6 +184,7 @@ mod tests {
                 end.recv().unwrap();
             }
             self.again = self.again.checked_sub(1)?;
+            self.large = false;
             Some(self)
         }
     }
@@ -223,5 +227,29 @@ mod tests {
         let order: Vec<_> = log.iter().take(4).collect();
         assert_eq!(order, ["b", "a", "b", "a"]);
         release.send(()).unwrap();
+    }
+
+    #[test]
+    fn job_that_became_small_behind_a_large_one_wakes_the_worker_that_sleeps() {
+        let (begun, log) = channel();
+        let next = || log.recv_timeout(Duration::from_secs(60)).expect("a worker takes the job");
+        let pool = Pool::start(PoolOptions::frames(2)).unwrap();
+        let task = |name, large, again| {
+            let (release, end) = channel();
+            pool.push(Task { name, large, begun: begun.clone(), end: Some(end), again });
+            release
+        };
+        let shrinking = task("shrinking", true, 1);
+        assert_eq!(next(), "shrinking");
+        let large = task("large", true, 0);
+        // The other worker does a small job, finds that the large one is not for it, and sleeps.
+        task("small", false, 0).send(()).unwrap();
+        assert_eq!(next(), "small");
+        std::thread::sleep(Duration::from_millis(100));
+        shrinking.send(()).unwrap();
+        let mut both = [next(), next()];
+        both.sort_unstable();
+        assert_eq!(both, ["large", "shrinking"]);
+        large.send(()).unwrap();
     }
 }
