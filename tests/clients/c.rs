@@ -9,7 +9,7 @@ use std::{
 use untangled_publisher::scenes::Scene;
 use untangled_testkit::{
     files::repository,
-    hosts::{Frames, has, libraries, run, scratch},
+    hosts::{Frames, has, libraries, link, run, scratch},
     process::{Daemon, TestDomain},
 };
 
@@ -19,9 +19,8 @@ const STRICT: [&str; 6] = ["-O1", "-Wall", "-Wextra", "-Wpedantic", "-Wconversio
 fn compile(compiler: &str, standard: &str, source: &str, name: &str) -> PathBuf {
     let program = scratch("c").join(name);
     let mut command = Command::new(compiler);
-    command.args(STRICT).arg(standard).arg("-I").arg(repository().join("clients/c")).arg("-o").arg(&program);
-    command.arg(repository().join("clients/c").join(source)).arg("-L").arg(libraries()).arg("-luntangled_client");
-    run(command.arg(format!("-Wl,-rpath,{}", libraries().display())).arg("-lm"));
+    command.args(STRICT).arg(standard).arg("-o").arg(&program).arg(repository().join("clients/c").join(source));
+    run(link(&mut command));
     program
 }
 

@@ -4,7 +4,7 @@ use std::{fs, process::Command};
 
 use untangled_testkit::{
     files::repository,
-    hosts::{self, has, libraries, run, scratch},
+    hosts::{self, has, link, run, scratch},
     process::{Daemon, TestDomain, this_test},
 };
 
@@ -62,8 +62,7 @@ fn cpp_program_of_the_guide_untangles() {
     fs::write(&source, program("cpp")).unwrap();
     let mut compile = Command::new("g++");
     compile.args(["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&built).arg(&source);
-    compile.arg("-I").arg(repository().join("clients/c")).arg("-L").arg(libraries()).arg("-luntangled_client");
-    run(compile.arg(format!("-Wl,-rpath,{}", libraries().display())));
+    run(link(&mut compile));
     untangles(&mut Command::new(built));
 }
 

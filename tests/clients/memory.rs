@@ -4,7 +4,7 @@ use std::{path::Path, process::Command};
 
 use untangled_testkit::{
     files::repository,
-    hosts::{has, libraries, run, scratch},
+    hosts::{has, link, run, scratch},
     process::{Daemon, TestDomain},
 };
 
@@ -16,8 +16,7 @@ fn compile(source: &Path, name: &str) -> std::path::PathBuf {
     let program = scratch("memory").join(name);
     let mut compile = Command::new("gcc");
     compile.args(["-std=c11", "-O1", "-g", "-o"]).arg(&program).arg(source);
-    compile.arg("-I").arg(repository().join("clients/c")).arg("-L").arg(libraries()).arg("-luntangled_client");
-    run(compile.arg(format!("-Wl,-rpath,{}", libraries().display())).arg("-lm"));
+    run(link(&mut compile));
     program
 }
 

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use untangled_testkit::{
     files::repository,
-    hosts::{self, has, libraries, run, scratch},
+    hosts::{self, has, link, run, scratch},
     process::{Daemon, TestDomain},
 };
 
@@ -30,9 +30,7 @@ fn c_and_cpp_examples_repair_their_scene() {
         compile
             .args([standard, "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-o"])
             .arg(&program);
-        compile.arg(repository().join("clients/c").join(source)).arg("-I").arg(repository().join("clients/c"));
-        compile.arg("-L").arg(libraries()).arg("-luntangled_client");
-        run(compile.arg(format!("-Wl,-rpath,{}", libraries().display())).arg("-lm"));
+        run(link(compile.arg(repository().join("clients/c").join(source))));
         repairs(&mut Command::new(program));
     }
 }

@@ -15,6 +15,14 @@ pub struct Shape<'a> {
     pub burst: &'a str,
 }
 
+impl<'a> Shape<'a> {
+    /// As exact in time as the kernel does it: at 1 Gbit/s a state of 190 kB takes its 1.5 ms.
+    #[must_use]
+    pub const fn exact(rate: &'a str) -> Self {
+        Self { rate, burst: "16kb" }
+    }
+}
+
 /// A namespace for the host, and one for each daemon, each joined with that of the host by a link of its own.
 #[derive(Debug)]
 pub struct Namespaces {

@@ -18,7 +18,7 @@ use untangled_lab::{
 };
 use untangled_testkit::{
     files::repository,
-    hosts::{Frames, has, libraries, python, run, scratch},
+    hosts::{Frames, has, link, python, run, scratch},
     process::{Programs, TestDomain, fill_flat, sheet},
 };
 
@@ -72,10 +72,7 @@ fn programs(folder: &Path) -> Vec<Program> {
             let program = folder.join(source.replace('.', "_"));
             let mut compile = Command::new(compiler);
             compile.args(["-O2", standard, "-o"]).arg(&program);
-            compile.arg(repository().join("clients/c/tests/programs").join(source));
-            compile.arg("-I").arg(repository().join("clients/c"));
-            compile.arg("-L").arg(libraries()).arg("-luntangled_client");
-            run(compile.arg(format!("-Wl,-rpath,{}", libraries().display())));
+            run(link(compile.arg(repository().join("clients/c/tests/programs").join(source))));
             programs.push((name, Some(Box::new(move || Command::new(&program)))));
         }
     }

@@ -70,7 +70,7 @@ struct Counts {
 impl World {
     fn new(with_packets: bool) -> Result<Self, String> {
         let (way, address, listen) = if with_packets {
-            let namespaces = Namespaces::new(1, Some(Shape { rate: "1gbit", burst: "16kb" }))?;
+            let namespaces = Namespaces::new(1, Some(Shape::exact("1gbit")))?;
             let address = namespaces.address(0);
             (Way::Packets(namespaces), address.clone(), address)
         } else {

@@ -5,4 +5,4 @@ pub mod python;
 mod tools;
 
 pub use frames::Frames;
-pub use tools::{has, libraries, run, scratch};
+pub use tools::{has, libraries, link, run, scratch};

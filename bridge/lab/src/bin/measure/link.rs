@@ -26,8 +26,7 @@ impl Link<'static> {
 
 impl<'a> Link<'a> {
     pub(crate) const fn new(rate: &'a str) -> Self {
-        // As exact in time as the kernel does it: a state of 190 kB takes its 1.5 ms.
-        Self { shape: Shape { rate, burst: "16kb" }, delay: Duration::ZERO }
+        Self { shape: Shape::exact(rate), delay: Duration::ZERO }
     }
 
     /// For the mean of many sessions: states of 100 kB pass at once after a pause, and are not cut.

@@ -42,7 +42,7 @@ pub(crate) fn capacity(num_daemons: usize, num_sessions: u64, rate: &str, apart:
     let sessions: Vec<Session> = (0..num_sessions).map(register).collect();
     let shares: Vec<String> = setting.places().iter().map(ToString::to_string).collect();
     // Not while frames are due: hosts have their simulators for that.
-    let shapes: &[Shape] =
+    let frames: &[Positions] =
         &(0..FRAMES).map(|frame| (cloth.positions_f32(frame), cloth.positions(frame))).collect::<Vec<_>>();
     let begin = Instant::now() + Duration::from_secs(1);
     let (mut times, mut late) = (Times::default(), 0);
@@ -53,7 +53,7 @@ pub(crate) fn capacity(num_daemons: usize, num_sessions: u64, rate: &str, apart:
             .map(|(k, session)| {
                 (begin + PERIOD * u32::try_from(k).unwrap() / u32::try_from(num_sessions).unwrap(), session)
             })
-            .map(|(begin, session)| scope.spawn(move || steps(session, begin, shapes, precision)))
+            .map(|(begin, session)| scope.spawn(move || steps(session, begin, frames, precision)))
             .collect();
         for thread in threads {
             let (own, own_late) = thread.join().unwrap();
@@ -76,12 +76,12 @@ const FRAMES: u64 = 300;
 const PERIOD: Duration = Duration::from_micros(33_333);
 
 /// Positions of a frame in single and in double precision.
-type Shape = (Vec<[f32; 3]>, Vec<[f64; 3]>);
+type Positions = (Vec<[f32; 3]>, Vec<[f64; 3]>);
 
 /// A host in lock step: times of the frames that were answered in time, and how many were not.
-fn steps(mut session: Session, begin: Instant, shapes: &[Shape], precision: Precision) -> (Times, u64) {
+fn steps(mut session: Session, begin: Instant, frames: &[Positions], precision: Precision) -> (Times, u64) {
     let (mut times, mut late) = (Times::default(), 0);
-    for (frame, (single, double)) in (0..).zip(shapes) {
+    for (frame, (single, double)) in (0..).zip(frames) {
         let due = begin + PERIOD * frame;
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         let sent = Instant::now();

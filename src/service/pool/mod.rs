@@ -3,27 +3,25 @@
 //! Jobs are taken in the order in which they came. Large jobs may occupy all workers but one at a time, so that small
 //! jobs wait for other small jobs only. A job that is to be done again queues behind the others.
 
-use std::{
-    cell::LazyCell,
-    collections::VecDeque,
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    thread::JoinHandle,
-};
+mod alone;
+#[cfg(test)]
+#[cfg(model)]
+mod model_tests;
+mod priority;
+mod queue;
+mod sync;
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::{cell::LazyCell, sync::Arc, thread::JoinHandle};
+
+use rayon::ThreadPoolBuilder;
+
+use queue::{Queue, Taken};
+
+pub(crate) use alone::Alone;
+pub(crate) use queue::Job;
 
 /// Most threads that a large job is spread over.
 const MOST_THREADS: usize = 8;
-
-/// Something to be done by one worker.
-pub(crate) trait Job: Send + 'static {
-    /// Whether it may take so long that small jobs must not wait for it.
-    fn is_large(&self) -> bool;
-    /// Does it; returns the job where it is to be done again.
-    fn run(self) -> Option<Self>
-    where
-        Self: Sized;
-}
 
 /// How many threads a pool has, and what for.
 #[derive(Clone, Copy, Debug)]
@@ -63,24 +61,14 @@ pub(crate) struct Pool<J: Job> {
 
 #[derive(Debug)]
 struct Shared<J> {
-    queue: Mutex<Queue<J>>,
-    changed: Condvar,
+    queue: Queue<J>,
     options: PoolOptions,
-}
-
-#[derive(Debug)]
-struct Queue<J> {
-    jobs: VecDeque<J>,
-    /// Large jobs in work.
-    num_large: usize,
-    ending: bool,
 }
 
 impl<J: Job> Pool<J> {
     /// Starts its threads.
     pub(crate) fn start(options: PoolOptions) -> std::io::Result<Self> {
-        let queue = Mutex::new(Queue { jobs: VecDeque::new(), num_large: 0, ending: false });
-        let shared = Arc::new(Shared { queue, changed: Condvar::new(), options });
+        let shared = Arc::new(Shared { queue: Queue::new(options.most_large), options });
         let mut pool = Self { shared, threads: Vec::with_capacity(options.num_workers) };
         for index in 0..options.num_workers {
             let shared = Arc::clone(&pool.shared);
@@ -94,20 +82,14 @@ impl<J: Job> Pool<J> {
 
     /// Queues a job and wakes a worker.
     pub(crate) fn push(&self, job: J) {
-        self.shared.lock().jobs.push_back(job);
-        self.shared.changed.notify_one();
+        self.shared.queue.push(job);
     }
 }
 
 impl<J: Job> Drop for Pool<J> {
     /// Waits for the jobs in work; drops those in the queue.
     fn drop(&mut self) {
-        let left = {
-            let mut queue = self.shared.lock();
-            queue.ending = true;
-            std::mem::take(&mut queue.jobs)
-        };
-        self.shared.changed.notify_all();
+        let left = self.shared.queue.close();
         for thread in self.threads.drain(..) {
             // The panic hook has reported a job that panicked.
             let _ = thread.join();
@@ -117,20 +99,15 @@ impl<J: Job> Drop for Pool<J> {
 }
 
 impl<J: Job> Shared<J> {
-    fn lock(&self) -> MutexGuard<'_, Queue<J>> {
-        // Nothing in here panics while it holds the lock.
-        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn work(&self) {
         // So that a small job waits for no other thread.
         let _alone = Alone::begin();
-        let PoolOptions { most_large, num_threads, in_background, .. } = self.options;
+        let PoolOptions { num_threads, in_background, .. } = self.options;
         // Threads begin with the priority of the one that starts them, so that it is lowered once.
-        let priority = in_background.then(lower_priority).flatten();
+        let priority = in_background.then(priority::lower).flatten();
         let yield_to_others = move || {
             if let Some(priority) = priority {
-                set_priority(priority);
+                priority::set(priority);
             }
         };
         yield_to_others();
@@ -138,79 +115,25 @@ impl<J: Job> Shared<J> {
             let threads = ThreadPoolBuilder::new().num_threads(num_threads.clamp(1, MOST_THREADS));
             threads.start_handler(move |_| yield_to_others()).build()
         });
-        let mut queue = self.lock();
-        while !queue.ending {
-            let Some(job) = queue.take(most_large) else {
-                queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
-                continue;
-            };
-            let is_large = job.is_large();
-            queue.num_large += usize::from(is_large);
-            drop(queue);
+        while let Some(Taken { job, is_large }) = self.queue.take() {
             let again = match is_large.then(|| &*wide) {
                 Some(Ok(wide)) => wide.install(|| job.run()),
                 _ => job.run(),
             };
-            queue = self.lock();
-            queue.num_large -= usize::from(is_large);
-            if let Some(job) = again
-                && !queue.ending
-            {
-                queue.jobs.push_back(job);
-            }
+            self.queue.finish(is_large, again);
         }
-    }
-}
-
-/// While it lives, the library's parallel loops stay on the thread that began it. For threads that are this program's
-/// own, and once for each.
-#[derive(Debug)]
-pub(crate) struct Alone {
-    _pool: Option<ThreadPool>,
-}
-
-impl Alone {
-    pub(crate) fn begin() -> Self {
-        let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-        if let Err(error) = &pool {
-            tracing::warn!(%error, "a thread shares the threads of others");
-        }
-        Self { _pool: pool.ok() }
-    }
-}
-
-/// How much lower the priority of threads for long work is. With 3 a thread gets half of what another one gets that
-/// wants the same processor. With 10, a tenth, a repair took minutes where other programs kept all processors busy; and
-/// short frames wait for neither, since a thread that wakes goes first.
-const NICE: i32 = 3;
-
-/// The lower priority, by that of this thread.
-fn lower_priority() -> Option<i32> {
-    // Of this thread alone, which is what Linux takes no process id for.
-    let own = rustix::process::getpriority_process(None);
-    own.map(|own| (own + NICE).min(19)).ok()
-}
-
-/// Sets the priority of this thread.
-fn set_priority(priority: i32) {
-    if let Err(error) = rustix::process::setpriority_process(None, priority) {
-        tracing::warn!(%error, "a thread for long work has the priority of others");
-    }
-}
-
-impl<J: Job> Queue<J> {
-    /// The oldest job that may be begun.
-    fn take(&mut self, most_large: usize) -> Option<J> {
-        let place = self.jobs.iter().position(|job| self.num_large < most_large || !job.is_large())?;
-        self.jobs.remove(place)
     }
 }
 
 #[cfg(test)]
+#[cfg(not(model))]
 mod tests {
-    use std::sync::mpsc::{Receiver, Sender, channel};
+    use std::{
+        sync::mpsc::{Receiver, Sender, channel},
+        time::Duration,
+    };
 
-    use super::*;
+    use super::{priority::NICE, *};
 
     /// Reports the priority of its thread, and of one of those that its work is spread over.
     struct Priority(Sender<[i32; 2]>);
@@ -241,7 +164,7 @@ mod tests {
         assert!((0.8f64.powi(NICE) - 0.5).abs() < 0.02);
     }
 
-    /// Reports when it begins, and ends when the test releases it.
+    /// Reports when it begins, and ends when the test releases it. Done again it is small.
     struct Task {
         name: &'static str,
         large: bool,
@@ -261,6 +184,7 @@ mod tests {
                 end.recv().unwrap();
             }
             self.again = self.again.checked_sub(1)?;
+            self.large = false;
             Some(self)
         }
     }
@@ -303,5 +227,29 @@ mod tests {
         let order: Vec<_> = log.iter().take(4).collect();
         assert_eq!(order, ["b", "a", "b", "a"]);
         release.send(()).unwrap();
+    }
+
+    #[test]
+    fn job_that_became_small_behind_a_large_one_wakes_the_worker_that_sleeps() {
+        let (begun, log) = channel();
+        let next = || log.recv_timeout(Duration::from_secs(60)).expect("a worker takes the job");
+        let pool = Pool::start(PoolOptions::frames(2)).unwrap();
+        let task = |name, large, again| {
+            let (release, end) = channel();
+            pool.push(Task { name, large, begun: begun.clone(), end: Some(end), again });
+            release
+        };
+        let shrinking = task("shrinking", true, 1);
+        assert_eq!(next(), "shrinking");
+        let large = task("large", true, 0);
+        // The other worker does a small job, finds that the large one is not for it, and sleeps.
+        task("small", false, 0).send(()).unwrap();
+        assert_eq!(next(), "small");
+        std::thread::sleep(Duration::from_millis(100));
+        shrinking.send(()).unwrap();
+        let mut both = [next(), next()];
+        both.sort_unstable();
+        assert_eq!(both, ["large", "shrinking"]);
+        large.send(()).unwrap();
     }
 }
