@@ -67,7 +67,7 @@ fn is_even(steps: [Option<usize>; 3]) -> bool {
 
 #[test]
 fn forces_on_finer_meshes_take_as_many_steps() {
-    for name in ["tongue", "crease", "twist", "drop", "wedge"] {
+    for name in ["tongue", "curtains", "crease", "twist", "drop", "wedge"] {
         let steps = steps_at_levels(name, &Settings::default());
         println!("{name}: {steps:?}");
         assert!(is_even(steps), "{name}: {steps:?}");

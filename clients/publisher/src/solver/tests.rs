@@ -52,6 +52,27 @@ fn step_rounds_to_single_precision_only_when_asked() {
     }
 }
 
+/// Contact looks half an edge ahead, 0.025 m, and is looked for again as often as that takes.
+#[test]
+fn sheet_pushed_over_many_edges_in_a_step_gets_there_and_is_held_by_contact() {
+    let height = 0.2;
+    let mut solver = Solver::new(two_sheets(height), parameters(0.0));
+    let num_lower = 11 * 11;
+    let is_upper = |vertex: usize| vertex >= num_lower;
+    let push = |vertex: usize| if is_upper(vertex) { Vec3::new(0.0, 0.0, -5.0) } else { Vec3::zeros() };
+    let pushes: Vec<Vec3> = (0..solver.cloth().positions.len()).map(push).collect();
+    let lowest = |solver: &Solver| {
+        solver.cloth().positions[num_lower..].iter().map(|position| position.z).fold(f64::INFINITY, f64::min)
+    };
+    solver.step(1.0 / 60.0, Help { velocity_change_m_s: &pushes, ..Help::NONE });
+    assert!(height - lowest(&solver) > 0.04, "it came {} m", height - lowest(&solver));
+    for _ in 0..10 {
+        solver.step(1.0 / 60.0, Help { velocity_change_m_s: &pushes, ..Help::NONE });
+        let Cloth { triangles, .. } = solver.cloth();
+        assert_eq!(count_edge_face(&solver.cloth().points(), triangles).unwrap(), 0);
+    }
+}
+
 #[test]
 fn contact_holds_a_falling_sheet_unless_it_is_masked() {
     for masked in [false, true] {
