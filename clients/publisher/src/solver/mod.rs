@@ -106,8 +106,8 @@ pub struct Solver {
     searched: Vec<Vec3>,
     /// How far each pinned vertex goes in the next step; empty where they stay.
     carried: Vec<(u32, Vec3)>,
-    /// Largest displacement of a vertex in a substep, in metres; contact looks that far ahead, and again where one has
-    /// come as far. A limit for a whole step would hold finer meshes back, however hard they are pushed.
+    /// Largest displacement of a vertex in a substep, in metres; contact looks that far ahead, and again before one goes
+    /// farther. A limit for a whole step would hold finer meshes back, however hard they are pushed.
     reach_m: f64,
 }
 
@@ -185,6 +185,18 @@ impl Solver {
         ways.any(|((now, then), velocity)| (now - then).norm() + velocity.norm() * substep_s > *reach_m)
     }
 
+    /// Holds vertices back where contact, which is on there, was looked for no farther.
+    fn hold_within_reach(&mut self, help: &Help<'_>) {
+        let Self { cloth, searched, inverse_masses, reach_m, .. } = self;
+        for (vertex, (now, then)) in cloth.positions.iter_mut().zip(searched).enumerate() {
+            let way = *now - *then;
+            let length_m = way.norm();
+            if length_m > *reach_m && inverse_masses[vertex] > 0.0 && !help.is_off(vertex) {
+                *now = *then + way * (*reach_m / length_m);
+            }
+        }
+    }
+
     /// Moves the cloth on by `dt_s` seconds.
     pub fn step(&mut self, dt_s: f64, help: Help<'_>) {
         let free = |vertex: usize, inverse_masses: &[f64]| inverse_masses[vertex] > 0.0;
@@ -197,7 +209,6 @@ impl Solver {
 
         let substep_s = dt_s / f64::from(self.parameters.num_substeps);
         let kept = (-self.parameters.drag_1_s * substep_s).exp();
-        let fastest_m_s = self.reach_m / substep_s;
         for _ in 0..self.parameters.num_substeps {
             if self.may_leave_reach(substep_s) {
                 self.look_for_contact(&help);
@@ -210,19 +221,15 @@ impl Solver {
                 let pushed = help.velocity_change_m_s.get(vertex).copied().unwrap_or_default() * (substep_s / dt_s);
                 let velocity = &mut self.velocities[vertex];
                 *velocity = (*velocity + self.parameters.gravity_m_s2 * substep_s + pushed) * kept;
-                // Contact was searched no farther than this, and not at all where it is off.
-                let speed = velocity.norm();
-                if speed > fastest_m_s && !help.is_off(vertex) {
-                    *velocity *= fastest_m_s / speed;
-                }
                 self.cloth.positions[vertex] += *velocity * substep_s;
             }
             for &(pin, way) in &self.carried {
                 self.cloth.positions[pin as usize] += way / f64::from(self.parameters.num_substeps);
             }
+            self.stretch.project(&mut self.cloth.positions, &self.inverse_masses, substep_s);
+            self.bend.project(&mut self.cloth.positions, &self.inverse_masses, substep_s);
+            self.hold_within_reach(&help);
             let positions = &mut self.cloth.positions;
-            self.stretch.project(positions, &self.inverse_masses, substep_s);
-            self.bend.project(positions, &self.inverse_masses, substep_s);
             self.contacts.project(positions, &self.previous, &self.inverse_masses);
             for (velocity, (now, before)) in self.velocities.iter_mut().zip(positions.iter().zip(&self.previous)) {
                 *velocity = (now - before) / substep_s;

@@ -22,7 +22,7 @@ use crate::{
         energy::Domain,
         step::{Islands, Precision},
     },
-    respond::Responder,
+    respond::{Corrections, Responder},
     settings::{Response, Settings},
     stage::StageObserver,
 };
@@ -64,8 +64,8 @@ impl Proposer {
     ///
     /// Where time is up before anything could be judged, the forces of one step go out in their place.
     ///
-    /// Where a displacement leaves nothing that intersects, contact has to hold what was won: a host that adds it gets
-    /// no mask and no labels there.
+    /// Where a displacement leaves nothing that intersects, contact has to hold what was won, and where nothing moves,
+    /// what there is: a host that adds displacements gets no mask and no labels there.
     ///
     /// Then what keeps the gap of the settings is added, where there is one: see [`KeptApart::add`].
     ///
@@ -111,7 +111,9 @@ impl Proposer {
         // Before the mask is taken away: it tells what is tangled.
         kept_apart.add(&scene, settings, responder, &should_stop);
         if is_judged && is_displaced {
-            responder.unmask(|vertex| methods.line_search.is_cleared(islands, vertex));
+            forces.find_moving(islands, responder);
+            let is_at_rest = |vertex| !forces.moves[islands.of(vertex)];
+            responder.unmask(|vertex| methods.line_search.is_cleared(islands, vertex) || is_at_rest(vertex));
         }
     }
 }
@@ -186,6 +188,16 @@ struct StandIn {
 }
 
 impl StandIn {
+    /// Finds the islands in which something moves in the end.
+    fn find_moving(&mut self, islands: &Islands, responder: &Responder) {
+        let Corrections { touched, forces, .. } = responder.corrections();
+        self.moves.clear();
+        self.moves.resize(islands.len() + 1, false);
+        for &vertex in touched {
+            self.moves[islands.of(vertex)] |= forces[vertex.index()] != Vector3::zeros();
+        }
+    }
+
     /// Puts the forces of one step where a proposal moves nothing, as far as they do no harm. False where it moves
     /// something everywhere, and corrections are as they were.
     fn stand_in(
