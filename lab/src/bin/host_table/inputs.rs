@@ -12,6 +12,17 @@ use untangled_publisher::{
 /// Edges of the generated scenes at the coarsest level, in metres.
 const EDGE_M: f64 = 0.025;
 
+/// Part of the extent along z in which vertices are pinned, from above.
+const PINNED: f64 = 0.02;
+
+/// How files are held and drawn; scenes have pins and gravity of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Surroundings {
+    pub(crate) gravity_m_s2: f64,
+    /// Whether the uppermost vertices are pinned.
+    pub(crate) is_pinned: bool,
+}
+
 /// A tangle at one fineness.
 pub(crate) struct Input {
     pub(crate) name: String,
@@ -23,7 +34,7 @@ pub(crate) struct Input {
 ///
 /// # Errors
 /// No such scene and no such file.
-pub(crate) fn input(name: &str, level: u32) -> Result<Input, Box<dyn Error>> {
+pub(crate) fn input(name: &str, level: u32, surroundings: Surroundings) -> Result<Input, Box<dyn Error>> {
     if let Ok(scene) = name.parse::<Scene>() {
         let cloth = scene.build(1, EDGE_M / f64::from(1 << level));
         return Ok(Input { name: name.into(), cloth, gravity_m_s2: 9.81 });
@@ -35,8 +46,18 @@ pub(crate) fn input(name: &str, level: u32) -> Result<Input, Box<dyn Error>> {
     }
     cloth.round_to_f32();
     cloth.rest_positions.clone_from(&cloth.positions);
+    if surroundings.is_pinned {
+        cloth.pins = uppermost(&cloth.positions);
+    }
     let name = path.file_stem().map_or_else(|| name.into(), |stem| stem.to_string_lossy().replace("_coarse", ""));
-    Ok(Input { name, cloth, gravity_m_s2: 0.0 })
+    Ok(Input { name, cloth, gravity_m_s2: surroundings.gravity_m_s2 })
+}
+
+fn uppermost(positions: &[Vec3]) -> Vec<u32> {
+    let heights = || positions.iter().map(|position| position.z);
+    let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let least = high - PINNED * (high - low);
+    (0..).zip(heights()).filter(|&(_, height)| height >= least).map(|(vertex, _)| vertex).collect()
 }
 
 /// The same surface with each triangle split in four at the middles of its sides.

@@ -3,7 +3,8 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin host_table -- [--levels N,...] [--steps N] [--methods NAME,...]
-//! [--steps-to-clean N] [--labels] [--same-mask] [--compact] [--verbose] [SCENE|FILE...]
+//! [--steps-to-clean N] [--labels] [--same-mask] [--behind N] [--gravity M_S2] [--pinned] [--compact] [--verbose]
+//! [SCENE|FILE...]
 //! ```
 //!
 //! With `--compact` each input has one row at each level, with the steps of each method, or what was left.
@@ -16,7 +17,9 @@
 //! those of the example host with a daemon of its own: `repair` (each tangled frame) and `auto` (forces, and a repair
 //! where they make no progress). The host leaves out contacts of masked vertices there, and sends single precision.
 //! Scenes are those of `clients/publisher`, all of them where none is named, under gravity. Files (OBJ) have their own
-//! shape as rest shape and no gravity, and are made finer by splitting each triangle in four.
+//! shape as rest shape and no gravity, and are made finer by splitting each triangle in four. `--gravity` and `--pinned`
+//! (the uppermost fiftieth) are for files. With `--behind` corrections of presets and responses come so many steps
+//! late, as to a host that does not wait for them.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod inputs;
@@ -33,7 +36,7 @@ use untangled_publisher::{repairs::RepairPolicy, scenes::Scene};
 use untangled_testkit::process::{Daemon, Programs, TestDomain};
 
 use crate::{
-    inputs::{Input, input},
+    inputs::{Input, Surroundings, input},
     run::{How, Run, run, run_repaired},
 };
 
@@ -46,6 +49,7 @@ struct Options {
     /// Whether the mask is as wide in metres at all levels.
     is_mask_kept: bool,
     is_compact: bool,
+    surroundings: Surroundings,
     inputs: Vec<String>,
 }
 
@@ -54,11 +58,12 @@ impl Options {
         let methods = vec!["balanced".into()];
         let mut options = Self {
             levels: vec![0, 1, 2],
-            how: How { most_steps: 100, labels: false, verbose: false },
+            how: How { most_steps: 100, labels: false, steps_behind: 0, verbose: false },
             methods,
             steps_to_clean: None,
             is_mask_kept: false,
             is_compact: false,
+            surroundings: Surroundings::default(),
             inputs: Vec::new(),
         };
         while let Some(argument) = arguments.next() {
@@ -69,6 +74,9 @@ impl Options {
                 "--methods" => options.methods = value()?.split(',').map(str::to_owned).collect(),
                 "--steps-to-clean" => options.steps_to_clean = Some(value()?.parse()?),
                 "--same-mask" => options.is_mask_kept = true,
+                "--behind" => options.how.steps_behind = value()?.parse()?,
+                "--gravity" => options.surroundings.gravity_m_s2 = value()?.parse()?,
+                "--pinned" => options.surroundings.is_pinned = true,
                 "--compact" => options.is_compact = true,
                 "--labels" => options.how.labels = true,
                 "--verbose" => options.how.verbose = true,
@@ -171,7 +179,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for name in &options.inputs {
         let mut steps = vec![Vec::new(); options.methods.len()];
         for &level in &options.levels {
-            let input = input(name, level)?;
+            let input = input(name, level, options.surroundings)?;
             let mut runs = Vec::new();
             for ((method, summary), steps) in options.methods.iter().zip(&mut summaries).zip(&mut steps) {
                 let run = match options.run(&input, method, level, &mut served) {

@@ -1,6 +1,7 @@
 //! One input in the example host, with corrections, until it stays clean.
 
 use std::{
+    collections::VecDeque,
     error::Error,
     sync::Arc,
     time::{Duration, Instant},
@@ -55,6 +56,8 @@ pub(crate) struct How {
     pub(crate) most_steps: usize,
     /// Whether the host leaves out single contacts by labels, instead of masking vertices.
     pub(crate) labels: bool,
+    /// Steps by which corrections are late, as in a host that does not wait for them.
+    pub(crate) steps_behind: usize,
     pub(crate) verbose: bool,
 }
 
@@ -97,12 +100,13 @@ impl Run {
 /// # Errors
 /// An input that is no cloth.
 pub(crate) fn run(input: &Input, settings: &Settings, how: &How) -> Result<Run, Box<dyn Error>> {
-    let How { most_steps, labels, verbose } = *how;
+    let How { most_steps, labels, steps_behind, verbose } = *how;
     let mut solver = solver(input);
     let mesh = Arc::new(mesh_of(solver.cloth(), solver.masses_kg(), Knowledge::Uvs)?);
     let mut untangler = Untangler::new(mesh, settings.clone())?;
     untangler.set_labelled(labels);
-    let (mut run, mut taken, mut clean_steps) = (Run::default(), Taken::default(), 0);
+    let mut under_way = VecDeque::from(vec![Taken::default(); steps_behind]);
+    let (mut run, mut clean_steps) = (Run::default(), 0);
     for step in 0.. {
         if run.look(step, &solver, &mut clean_steps, most_steps)? {
             break;
@@ -121,13 +125,16 @@ pub(crate) fn run(input: &Input, settings: &Settings, how: &How) -> Result<Run, 
             let moved = corrections.max_displacement_m;
             println!("  {step:>4} {:>5} {moved:.5} {:?}", run.after, pairs.collect::<Vec<_>>());
         }
+        let mut taken = Taken::default();
         taken.take_values(corrections, solver.masses_kg(), settings.response);
         if labels {
             taken.take_labels(corrections);
         } else {
             taken.take_mask(corrections);
         }
-        solver.step(DT_S, taken.help());
+        under_way.push_back(taken);
+        let arrived = under_way.pop_front().unwrap_or_default();
+        solver.step(DT_S, arrived.help());
     }
     Ok(run)
 }
