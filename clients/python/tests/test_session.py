@@ -1,5 +1,6 @@
 """Sessions against a real daemon."""
 
+import contextlib
 import gc
 import threading
 import time
@@ -224,7 +225,9 @@ def test_default_deadline_grows_with_the_cloth(crossed, sheets, domain):
     deadlines = []
     for mesh in (crossed, sheets):
         with open_session(mesh, domain) as session:
-            session.exchange(mesh.vertices)
+            # On a machine that is busy enough even this deadline passes.
+            with contextlib.suppress(untangled.Missed):
+                session.exchange(mesh.vertices)
             deadlines.append(session.default_deadline)
     assert deadlines == pytest.approx([0.2 + 2 * 20e-6, 0.2 + len(sheets.triangles) * 20e-6])
 
