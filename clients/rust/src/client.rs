@@ -10,7 +10,7 @@ use untangled_proto::{ICEORYX2_VERSION, PROTOCOL_VERSION, RequestKind, Status, c
 use untangled_transport::Domain;
 
 use crate::{
-    control::{Connection, Pending, RETRY, deadline_in},
+    control::{Connection, RETRY, ask, deadline_in},
     error::{ConnectError, RegisterError, RequestError},
     registration::Registration,
     session::Session,
@@ -90,8 +90,7 @@ impl Client {
     /// # Errors
     /// [`RequestError`].
     pub fn status(&self) -> Result<serde_json::Value, RequestError> {
-        let pending = Pending::send(&self.connection, RequestKind::Status, 0, &[], 0)?;
-        let reply = pending.wait(&self.connection, deadline_in(self.connection.timeout))?;
+        let reply = ask(&self.connection, RequestKind::Status, deadline_in(self.connection.timeout))?;
         serde_json::from_str(&reply.text).map_err(|error| RequestError::in_words("reading the status", &error))
     }
 }
@@ -99,8 +98,7 @@ impl Client {
 /// Asks the daemon for its versions; an error where they are not this client's.
 fn hello(connection: &Connection, deadline: Instant) -> Result<Hello, ConnectError> {
     let version = |reason| ConnectError::Version { domain: connection.domain.name().to_owned(), reason };
-    let pending = Pending::send(connection, RequestKind::Hello, 0, &[], 0)?;
-    let reply = match pending.wait(connection, deadline) {
+    let reply = match ask(connection, RequestKind::Hello, deadline) {
         Err(RequestError::Refused { status: Status::UnsupportedProtocol, message }) => {
             return Err(version(message));
         }

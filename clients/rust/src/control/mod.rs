@@ -10,6 +10,6 @@ pub use connection::Connection;
 pub(crate) use connection::RETRY;
 pub use poll::Backoff;
 pub(crate) use poll::{SLICE, deadline_in};
-pub(crate) use request::Reply;
 pub use request::{Pending, RawReply};
+pub(crate) use request::{Reply, ask};
 pub use room::{check_memory, commit_memory};

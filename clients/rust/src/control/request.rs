@@ -1,6 +1,6 @@
 //! One request to the daemon and its reply.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use iceoryx2::{
     identifiers::UniqueServerId,
@@ -12,7 +12,7 @@ use untangled_transport::services::Ipc;
 
 use super::{
     connection::Connection,
-    poll::Backoff,
+    poll::{Backoff, deadline_in},
     room::{check_memory, commit_memory},
 };
 use crate::error::RequestError;
@@ -43,6 +43,30 @@ pub struct RawReply {
 pub(crate) struct Reply {
     pub(crate) header: ReplyHeader,
     pub(crate) text: String,
+}
+
+/// How long a request that changes nothing waits for its reply before it is sent again; each time twice as long.
+const FIRST_PATIENCE: Duration = Duration::from_secs(1);
+
+/// Sends a request that changes nothing and waits for its reply, up to the deadline. Where none comes it is sent again,
+/// over a port of its own: a request may be lost where another client is killed at that moment, and its reply too.
+pub(crate) fn ask(connection: &Connection, kind: RequestKind, deadline: Instant) -> Result<Reply, RequestError> {
+    let begin = Instant::now();
+    let mut patience = FIRST_PATIENCE;
+    loop {
+        let pending = Pending::send(connection, kind, 0, &[], 0)?;
+        if let Some(reply) = pending.poll(connection, deadline.min(deadline_in(patience)))? {
+            return Ok(reply);
+        }
+        if Instant::now() >= deadline {
+            return Err(late(connection, begin));
+        }
+        patience *= 2;
+    }
+}
+
+fn late(connection: &Connection, since: Instant) -> RequestError {
+    RequestError::Timeout { domain: connection.domain.name().to_owned(), waited: since.elapsed() }
 }
 
 impl Pending {
@@ -134,16 +158,12 @@ impl Pending {
 
     /// Waits for the reply, up to the deadline; then the request is dropped.
     pub(crate) fn wait(self, connection: &Connection, deadline: Instant) -> Result<Reply, RequestError> {
-        self.poll(connection, deadline)?.ok_or_else(|| self.late(connection))
+        self.poll(connection, deadline)?.ok_or_else(|| late(connection, self.sent))
     }
 
     /// As [`wait`](Self::wait), and takes a refusal for a reply as well.
     pub(crate) fn wait_raw(self, connection: &Connection, deadline: Instant) -> Result<RawReply, RequestError> {
-        self.poll_raw(connection, deadline)?.ok_or_else(|| self.late(connection))
-    }
-
-    fn late(&self, connection: &Connection) -> RequestError {
-        RequestError::Timeout { domain: connection.domain.name().to_owned(), waited: self.sent.elapsed() }
+        self.poll_raw(connection, deadline)?.ok_or_else(|| late(connection, self.sent))
     }
 
     fn receive(&self) -> Result<Option<RawReply>, RequestError> {

@@ -8,7 +8,7 @@ use untangled_proto::RequestKind;
 use super::error::ObserveError;
 use crate::{
     client::{Client, ClientOptions},
-    control::{Pending, deadline_in},
+    control::{ask, deadline_in},
     error::RequestError,
 };
 
@@ -74,8 +74,7 @@ pub(super) fn connect(options: &ObserverOptions) -> Result<Client, ObserveError>
 
 pub(super) fn list(client: &Client) -> Result<Vec<ObservedSession>, ObserveError> {
     let connection = client.connection();
-    let pending = Pending::send(connection, RequestKind::Status, 0, &[], 0)?;
-    let reply = pending.wait(connection, deadline_in(connection.timeout))?;
+    let reply = ask(connection, RequestKind::Status, deadline_in(connection.timeout))?;
     let report: Value =
         serde_json::from_str(&reply.text).map_err(|error| RequestError::in_words("reading the status", &error))?;
     let sessions = report["sessions"].as_array().map_or(&[][..], Vec::as_slice);
