@@ -106,8 +106,8 @@ pub struct Solver {
     searched: Vec<Vec3>,
     /// How far each pinned vertex goes in the next step; empty where they stay.
     carried: Vec<(u32, Vec3)>,
-    /// Largest displacement of a vertex in a substep, in metres; contact looks that far ahead, and again before one goes
-    /// farther. A limit for a whole step would hold finer meshes back, however hard they are pushed.
+    /// Largest displacement of a vertex in a substep, in metres; contact looks that far ahead, and again before one
+    /// goes farther. A limit for a whole step would hold finer meshes back, however hard they are pushed.
     reach_m: f64,
 }
 

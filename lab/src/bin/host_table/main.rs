@@ -17,9 +17,9 @@
 //! those of the example host with a daemon of its own: `repair` (each tangled frame) and `auto` (forces, and a repair
 //! where they make no progress). The host leaves out contacts of masked vertices there, and sends single precision.
 //! Scenes are those of `clients/publisher`, all of them where none is named, under gravity. Files (OBJ) have their own
-//! shape as rest shape and no gravity, and are made finer by splitting each triangle in four. `--gravity` and `--pinned`
-//! (the uppermost fiftieth) are for files. With `--behind` corrections of presets and responses come so many steps
-//! late, as to a host that does not wait for them.
+//! shape as rest shape and no gravity, and are made finer by splitting each triangle in four. `--gravity` and
+//! `--pinned` (the uppermost fiftieth) are for files. With `--behind` corrections of presets and responses come so many
+//! steps late, as to a host that does not wait for them.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod inputs;
