@@ -29,9 +29,9 @@ pub(crate) struct DescriptorRoom {
 }
 
 impl DescriptorRoom {
-    fn within(limit: Option<u64>, max_sessions: usize) -> Self {
+    fn within(limit: Option<u64>, inherited: u64, max_sessions: usize) -> Self {
         let Some(open) = limit else { return Self { max_sessions, limit, for_observers: u64::MAX } };
-        let room = open.saturating_sub(OWN);
+        let room = open.saturating_sub(OWN + inherited);
         let fitting = usize::try_from(room.saturating_sub(MOST_WATCHED) / PER_SESSION).unwrap_or(usize::MAX);
         let max_sessions = fitting.min(max_sessions).max(1);
         let for_observers = room.saturating_sub(max_sessions as u64 * PER_SESSION);
@@ -48,7 +48,8 @@ pub(crate) fn of_views(num_observers: usize) -> u64 {
 /// system allows. Returns what the limit leaves room for: at most `max_sessions`, at least 1.
 pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> DescriptorRoom {
     let limit = getrlimit(Resource::Nofile);
-    let needed = needed(max_sessions);
+    let inherited = inherited();
+    let needed = needed(max_sessions).saturating_add(inherited);
     if limit.current.is_some_and(|current| current < needed) {
         let most = limit.maximum.map_or(needed, |maximum| maximum.min(needed));
         let raised = Rlimit { current: Some(most), maximum: limit.maximum };
@@ -56,12 +57,26 @@ pub(crate) fn make_room_for_descriptors(max_sessions: usize) -> DescriptorRoom {
             tracing::debug!(%error, most, "raising the limit of open files");
         }
     }
-    let room = DescriptorRoom::within(getrlimit(Resource::Nofile).current, max_sessions);
+    let room = DescriptorRoom::within(getrlimit(Resource::Nofile).current, inherited, max_sessions);
     if room.max_sessions < max_sessions {
         let (limit, room) = (room.limit.unwrap_or(u64::MAX), room.max_sessions);
-        tracing::warn!(limit, needed, max_sessions, room, "the limit of open files leaves room for fewer sessions");
+        tracing::warn!(
+            limit,
+            needed,
+            inherited,
+            max_sessions,
+            room,
+            "the limit of open files leaves room for fewer sessions"
+        );
     }
     room
+}
+
+/// Descriptors that are open already, but for the first three. A process that has sessions hands over to a daemon that
+/// it starts what iceoryx2 0.10 has open for them, and nobody would close it there.
+fn inherited() -> u64 {
+    // One of them reads the folder.
+    std::fs::read_dir("/proc/self/fd").map_or(0, |open| (open.count() as u64).saturating_sub(4))
 }
 
 fn needed(num_sessions: usize) -> u64 {
@@ -75,7 +90,7 @@ mod tests {
     #[test]
     fn all_sessions_and_observers_fit_into_what_is_needed() {
         for max_sessions in [1, 2, 32, 64] {
-            let room = DescriptorRoom::within(Some(needed(max_sessions)), max_sessions);
+            let room = DescriptorRoom::within(Some(needed(max_sessions)), 0, max_sessions);
             assert_eq!((room.max_sessions, room.for_observers), (max_sessions, max_sessions as u64 * MOST_WATCHED));
         }
     }
@@ -89,10 +104,25 @@ mod tests {
             (4096, 64, 2304),
             (u64::MAX, 64, u64::MAX - OWN - 64 * PER_SESSION),
         ] {
-            let room = DescriptorRoom::within(Some(limit), 64);
+            let room = DescriptorRoom::within(Some(limit), 0, 64);
             assert_eq!((room.max_sessions, room.for_observers), (sessions, for_observers), "{limit}");
             assert!(limit < 256 || for_observers >= of_views(MAX_OBSERVERS), "{limit}");
         }
-        assert_eq!(DescriptorRoom::within(None, 64).for_observers, u64::MAX);
+        assert_eq!(DescriptorRoom::within(None, 0, 64).for_observers, u64::MAX);
+    }
+
+    #[test]
+    fn descriptors_of_the_process_that_started_the_daemon_are_no_room_for_sessions() {
+        let before = inherited();
+        let files: Vec<_> = (0..100).map(|_| std::fs::File::open("/dev/null").unwrap()).collect();
+        // Other tests of this process open and close some meanwhile.
+        let counted = inherited().saturating_sub(before);
+        assert!((60..140).contains(&counted), "{counted}");
+        drop(files);
+        for (inherited, sessions) in [(0, 32), (8, 32), (9, 31), (840, 1), (2000, 1)] {
+            let room = DescriptorRoom::within(Some(1024), inherited, 64);
+            assert_eq!(room.max_sessions, sessions, "{inherited}");
+            assert!(sessions == 1 || room.for_observers >= of_views(MAX_OBSERVERS), "{inherited}");
+        }
     }
 }

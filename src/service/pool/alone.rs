@@ -3,7 +3,7 @@
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// While it lives, the library's parallel loops stay on the thread that began it. For threads that are this program's
-/// own, and once for each.
+/// own, and once for each: rayon never gives back the some kilobytes of such a pool.
 #[derive(Debug)]
 pub(crate) struct Alone {
     _pool: Option<ThreadPool>,

@@ -17,10 +17,12 @@ fn options(domain: &TestDomain) -> ObserverOptions {
     ObserverOptions { domain: Some(domain.name().to_owned()), timeout: PATIENCE, name: None }
 }
 
-/// A daemon that may have so many files open, and can't change that.
+/// A daemon that may have so many files open, and can't change that. Of other tests' sessions in this process it
+/// inherits none.
 fn daemon_within(domain: &TestDomain, limit: u64) -> Daemon {
-    let mut command = Command::new("sh");
-    command.args(["-c", &format!(r#"ulimit -n {limit} && exec "$0" "$@""#)]).arg(untangled());
+    let close = r#"for file in /proc/self/fd/*; do fd=${file##*/}; ((fd > 2)) && eval "exec $fd>&-"; done"#;
+    let mut command = Command::new("bash");
+    command.args(["-c", &format!(r#"{close}; ulimit -n {limit} && exec "$0" "$@""#)]).arg(untangled());
     command.args(["serve", "--domain", domain.name()]);
     Daemon::start_as(command)
 }

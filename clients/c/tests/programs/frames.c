@@ -44,17 +44,19 @@ int main(int argc, char **argv) {
         return 2;
     }
     const size_t repeats = argc > 4 ? (size_t)atoi(argv[4]) : 1;
-    const uint32_t *counts = read_array(file, 4, 3);
+    uint32_t *counts = read_array(file, 4, 3);
     const size_t num_vertices = counts[0], num_triangles = counts[1], num_frames = counts[2];
+    uint32_t *triangles = read_array(file, 12, num_triangles);
+    double *masses_kg = read_array(file, 8, num_vertices);
+    float *frames = read_array(file, 12, num_vertices * num_frames);
     untangled_registration registration;
     check(untangled_registration_init(&registration));
     registration.num_vertices = num_vertices;
     registration.num_triangles = num_triangles;
-    registration.triangles = read_array(file, 12, num_triangles);
-    registration.masses_kg = read_array(file, 8, num_vertices);
+    registration.triangles = triangles;
+    registration.masses_kg = masses_kg;
     registration.correction = UNTANGLED_FORCE;
     registration.paths = repeats == 1;
-    const float *frames = read_array(file, 12, num_vertices * num_frames);
 
     untangled_client client;
     untangled_session session;
@@ -85,5 +87,11 @@ int main(int argc, char **argv) {
     check(untangled_disconnect(client));
     qsort(times, trip, sizeof(double), ascending);
     printf("%.3f\n", times[trip / 2]);
+    free(times);
+    free(frames);
+    free(masses_kg);
+    free(triangles);
+    free(counts);
+    fclose(file);
     return fclose(out) == 0 ? 0 : 2;
 }
