@@ -33,7 +33,7 @@ use std::{
 
 use iceoryx2::prelude::Node;
 use untangle::{settings::Settings, untangler::Untangler};
-use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, correction::stage, memory};
+use untangled_proto::{CorrectionKind, PayloadLayout, Precision, Status, memory};
 use untangled_transport::{Domain, process_id::ProcessId, services::Ipc, throttle::Throttle};
 
 use super::{
@@ -43,7 +43,7 @@ use super::{
 };
 pub use cloth::Cloth;
 pub use estimate::memory_bytes;
-use pace::Pace;
+use pace::{Pace, processor_ns};
 use ports::{CorrectionPort, StatePort};
 pub use registered::Registered;
 pub(crate) use statistics::{Statistics, Totals};
@@ -302,8 +302,9 @@ impl Session {
             work.set_settings(settings);
         }
         let record = |header: &_| lock(&self.statistics).record(header, &self.totals);
-        if let Some(header) = work.serve(&self.states, record) {
-            self.pace.record(header.stage_ns[stage::TOTAL]);
+        let begin_ns = processor_ns();
+        if work.serve(&self.states, record).is_some() {
+            self.pace.record(processor_ns() - begin_ns);
         }
     }
 }

@@ -1,6 +1,8 @@
-//! How long a session's frames take, by which it is decided who does them.
+//! How long a session's frames have a processor, by which it is decided who does them.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+
+use rustix::time::{ClockId, clock_gettime};
 
 /// Meshes with more faces than this are large from their first frame on.
 const LARGE_FACES: usize = 20_000;
@@ -8,6 +10,15 @@ const LARGE_FACES: usize = 20_000;
 const LARGE_NS: u64 = 20_000_000;
 /// A session whose last frames took no longer than this is brief, in nanoseconds.
 const BRIEF_NS: u64 = 300_000;
+
+/// The time for which the calling thread has had a processor, in nanoseconds. A frame takes so long of a worker: one
+/// that had to wait for a processor itself is not large, or on a busy machine all sessions would be, and wait for
+/// those that are.
+pub(super) fn processor_ns() -> u64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    let [seconds, nanoseconds] = [time.tv_sec, time.tv_nsec].map(|part| u64::try_from(part).unwrap_or(0));
+    seconds * 1_000_000_000 + nanoseconds
+}
 
 /// How long the frames of a session take. Written by the worker that has the session, read by all.
 #[derive(Debug)]
@@ -48,6 +59,16 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thread_that_waits_has_no_time_of_a_processor() {
+        let begin_ns = processor_ns();
+        std::thread::sleep(std::time::Duration::from_nanos(2 * LARGE_NS));
+        assert!(processor_ns() - begin_ns < LARGE_NS / 2);
+        while processor_ns() - begin_ns < LARGE_NS {
+            std::hint::spin_loop();
+        }
+    }
 
     #[test]
     fn session_is_brief_when_its_last_frames_were_and_large_when_its_mesh_or_last_frame_is() {
