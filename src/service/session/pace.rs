@@ -11,9 +11,9 @@ const LARGE_NS: u64 = 20_000_000;
 /// A session whose last frames took no longer than this is brief, in nanoseconds.
 const BRIEF_NS: u64 = 300_000;
 
-/// The time for which the calling thread has had a processor, in nanoseconds. A frame takes so long of a worker: one
-/// that had to wait for a processor itself is not large, or on a busy machine all sessions would be, and wait for
-/// those that are.
+/// The time for which the calling thread has had a processor, in nanoseconds. A frame that had to wait for a processor
+/// itself is not large, or on a busy machine all sessions would be, and wait for those that are. Of a frame that is
+/// spread over several threads it is the part of the one that began it.
 pub(super) fn processor_ns() -> u64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     let [seconds, nanoseconds] = [time.tv_sec, time.tv_nsec].map(|part| u64::try_from(part).unwrap_or(0));

@@ -1,4 +1,4 @@
-//! A request that reaches nobody, as may happen where another client is killed at that moment.
+//! A request that is never replied to, as was seen on an overloaded machine while other clients were killed.
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},

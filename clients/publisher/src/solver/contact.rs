@@ -84,7 +84,7 @@ impl Contacts {
         }
     }
 
-    /// Finds all pairs that may touch within the next step: vertices and triangles by vertex, then edges by the lower
+    /// Finds all pairs that may touch before the next search: vertices and triangles by vertex, then edges by the lower
     /// one, on all processors, in an order that does not depend on their number.
     pub(super) fn find(&mut self, cloth: &Cloth, off: Off<'_>) {
         self.contacts.clear();

@@ -165,7 +165,7 @@ impl Solver {
 
     /// Says where pinned vertices are at the end of the next step, `num_vertices x 3` in metres: a body that an
     /// animation moves. They get there evenly, and push and drag what touches them; the places of others count for
-    /// nothing. In one step they should go no farther than half an edge, beyond which contact does not look.
+    /// nothing. In one substep they should go no farther than half an edge, beyond which contact does not look.
     pub fn carry(&mut self, places: &[Vec3]) {
         let Cloth { positions, pins, .. } = &self.cloth;
         let way = |&pin: &u32| (pin, places[pin as usize] - positions[pin as usize]);

@@ -49,7 +49,7 @@ pub(crate) struct Reply {
 const FIRST_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Sends a request that changes nothing and waits for its reply, up to the deadline. Where none comes it is sent again,
-/// over a port of its own: a request may be lost where another client is killed at that moment, and its reply too.
+/// over a port of its own: on an overloaded machine, while other clients were killed, one was never replied to.
 pub(crate) fn ask(connection: &Connection, kind: RequestKind, deadline: Instant) -> Result<Reply, RequestError> {
     let begin = Instant::now();
     let mut patience = FIRST_PATIENCE;
