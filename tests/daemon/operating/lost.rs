@@ -1,12 +1,16 @@
 //! A request that is never replied to, as was seen on an overloaded machine while other clients were killed.
 
 use std::{
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Sender, channel},
+    },
     thread,
     time::Duration,
 };
 
 use iceoryx2::prelude::{EventId, SignalHandlingMode};
+use untangled_client::Client;
 use untangled_proto::{
     ICEORYX2_VERSION, LIBRARY_VERSION, PROTOCOL_VERSION, PayloadLayout, ReplyHeader, Status, control::Hello, names,
 };
@@ -14,7 +18,7 @@ use untangled_testkit::process::TestDomain;
 use untangled_transport::{Domain, node, services};
 
 /// Answers greetings as a daemon does, but for the first ones, until it shall end; the number of all that came.
-fn greet_all_but_first(domain: &Domain, num_lost: u32, is_ready: &AtomicBool, ends: &AtomicBool) -> u32 {
+fn greet_all_but_first(domain: &Domain, num_lost: u32, ready: Sender<()>, ends: &AtomicBool) -> u32 {
     domain.create_folders().unwrap();
     let node = node::create(&domain.config().unwrap(), SignalHandlingMode::Disabled).unwrap();
     let _control = services::create_shared_event(&node, names::CONTROL).unwrap();
@@ -23,7 +27,8 @@ fn greet_all_but_first(domain: &Domain, num_lost: u32, is_ready: &AtomicBool, en
     let requests = services::create_requests(&node, PayloadLayout::Packed).unwrap();
     let server = requests.server_builder().initial_max_slice_len(1024).create().unwrap();
     std::fs::write(domain.lock_path(), "announced").unwrap();
-    is_ready.store(true, Ordering::Release);
+    ready.send(()).unwrap();
+    drop(ready);
     let hello = Hello {
         protocol_version: PROTOCOL_VERSION,
         library_version: LIBRARY_VERSION.to_owned(),
@@ -56,17 +61,16 @@ fn greet_all_but_first(domain: &Domain, num_lost: u32, is_ready: &AtomicBool, en
 #[test]
 fn greeting_that_is_lost_is_sent_again() {
     let domain = TestDomain::new();
-    let (is_ready, ends) = (AtomicBool::new(false), AtomicBool::new(false));
-    let num_received = thread::scope(|scope| {
-        let daemon = scope.spawn(|| greet_all_but_first(&domain.0, 1, &is_ready, &ends));
-        while !is_ready.load(Ordering::Acquire) {
-            thread::sleep(Duration::from_millis(1));
-        }
-        let client = domain.connect();
-        assert_eq!(client.daemon().pid, std::process::id());
-        drop(client);
+    let ends = AtomicBool::new(false);
+    let (ready, is_ready) = channel();
+    let (connected, num_received) = thread::scope(|scope| {
+        let ends = &ends;
+        let daemon = scope.spawn(|| greet_all_but_first(&domain.0, 1, ready, ends));
+        is_ready.recv().unwrap();
+        let connected = Client::connect(domain.options());
         ends.store(true, Ordering::Release);
-        daemon.join().unwrap()
+        (connected, daemon.join().unwrap())
     });
+    assert_eq!(connected.unwrap().daemon().pid, std::process::id());
     assert!(num_received >= 2, "{num_received}");
 }
