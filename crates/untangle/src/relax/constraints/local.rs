@@ -1,5 +1,7 @@
 //! Constraints in the numbers of a domain, for the solver's inner loops.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::rows::Constraints;
@@ -11,6 +13,8 @@ pub(crate) struct LocalConstraints {
     ends: Vec<usize>,
     terms: Vec<(usize, Vector3<f64>)>,
     wanted_m: Vec<f64>,
+    /// Where the terms of each active row are, and its right-hand side: a few of many.
+    active: Vec<(Range<usize>, f64)>,
 }
 
 impl LocalConstraints {
@@ -27,14 +31,21 @@ impl LocalConstraints {
         }
     }
 
-    /// Terms and right-hand side of each row.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (&[(usize, Vector3<f64>)], f64)> {
+    /// Takes the rows that a displacement does not satisfy as the active ones.
+    pub(crate) fn activate(&mut self, displacement: &[Vector3<f64>]) {
+        self.active.clear();
         let mut start = 0;
-        self.ends.iter().zip(&self.wanted_m).map(move |(&end, &wanted_m)| {
-            let row = &self.terms[start..end];
+        for (&end, &wanted_m) in self.ends.iter().zip(&self.wanted_m) {
+            if row_value(&self.terms[start..end], displacement) < wanted_m {
+                self.active.push((start..end, wanted_m));
+            }
             start = end;
-            (row, wanted_m)
-        })
+        }
+    }
+
+    /// Terms and right-hand side of each active row.
+    pub(crate) fn active_rows(&self) -> impl Iterator<Item = (&[(usize, Vector3<f64>)], f64)> {
+        self.active.iter().map(|(terms, wanted_m)| (&self.terms[terms.clone()], *wanted_m))
     }
 }
 

@@ -66,7 +66,6 @@ pub(crate) struct DisplacementSolver {
     search: Vec<Vector3<f64>>,
     image: Vec<Vector3<f64>>,
     before: Vec<Vector3<f64>>,
-    active: Vec<bool>,
     stiffening: Vec<f64>,
     scratch: Vec<Vector3<f64>>,
 }
@@ -134,10 +133,7 @@ impl DisplacementSolver {
         for _ in 0..self.budget.newton_steps {
             self.before.copy_from_slice(&self.displacement);
             energy.force(stiffness, &self.displacement, &self.stiffening, &mut self.rotations, &mut self.force);
-            let displacement = &self.displacement;
-            self.active.clear();
-            let is_active = |(row, wanted_m): (&[_], f64)| row_value(row, displacement) < wanted_m;
-            self.active.extend(self.constraints.rows().map(is_active));
+            self.constraints.activate(&self.displacement);
             self.conjugate_gradients(matrix, &mut target, should_stop);
             if should_stop() {
                 return false;
@@ -224,7 +220,7 @@ impl DisplacementSolver {
         for (residual, (force, image)) in self.residual.iter_mut().zip(self.force.iter().zip(&self.image)) {
             *residual = force - image;
         }
-        for ((row, wanted_m), _) in self.constraints.rows().zip(&self.active).filter(|(_, active)| **active) {
+        for (row, wanted_m) in self.constraints.active_rows() {
             let missing = wanted_m - row_value(row, &self.displacement);
             for (local, coefficient) in row {
                 self.residual[*local] += coefficient * (self.budget.penalty * missing);
@@ -235,7 +231,7 @@ impl DisplacementSolver {
     /// The matrix of the system times the search direction.
     fn multiply_search(&mut self, matrix: &StiffnessMatrix) {
         matrix.multiply(&self.search, &mut self.image);
-        for ((row, _), _) in self.constraints.rows().zip(&self.active).filter(|(_, active)| **active) {
+        for (row, _) in self.constraints.active_rows() {
             let along = row_value(row, &self.search);
             for (local, coefficient) in row {
                 self.image[*local] += coefficient * (self.budget.penalty * along);

@@ -32,7 +32,7 @@ pub(crate) struct Cholesky {
     /// The factor column by column, the diagonal first.
     factor_starts: Vec<usize>,
     factor_ends: Vec<usize>,
-    factor_rows: Vec<usize>,
+    factor_rows: Vec<u32>,
     factor_values: Vec<f64>,
     /// The present row of the factor, or the right-hand side in the order of elimination.
     row: Vec<f64>,
@@ -137,11 +137,12 @@ impl Cholesky {
                 let start = self.factor_starts[column];
                 let end = self.factor_ends[column];
                 let value = std::mem::take(&mut self.row[column]) / self.factor_values[start];
-                for slot in start + 1..end {
-                    self.row[self.factor_rows[slot]] -= self.factor_values[slot] * value;
+                let slots = start + 1..end;
+                for (&row, &factor) in self.factor_rows[slots.clone()].iter().zip(&self.factor_values[slots]) {
+                    self.row[row as usize] -= factor * value;
                 }
                 diagonal -= value * value;
-                self.factor_rows[end] = step;
+                self.factor_rows[end] = row_number(step);
                 self.factor_values[end] = value;
                 self.factor_ends[column] = end + 1;
             }
@@ -149,7 +150,7 @@ impl Cholesky {
                 return false;
             }
             let slot = self.factor_ends[step];
-            self.factor_rows[slot] = step;
+            self.factor_rows[slot] = row_number(step);
             self.factor_values[slot] = diagonal.sqrt();
             self.factor_ends[step] = slot + 1;
         }
@@ -184,6 +185,12 @@ impl Cholesky {
         }
         diagonal
     }
+}
+
+/// Rows are those of vertices, whose numbers have 32 bits, or two for each.
+#[expect(clippy::cast_possible_truncation, reason = "the entries of larger factors don't fit into memory")]
+fn row_number(step: usize) -> u32 {
+    step as u32
 }
 
 #[cfg(test)]

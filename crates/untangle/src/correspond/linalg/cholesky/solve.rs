@@ -16,14 +16,14 @@ impl Cholesky {
             let value = rows[column] / self.factor_values[start];
             rows[column] = value;
             for (&row, &factor) in self.factor_rows[start + 1..end].iter().zip(&self.factor_values[start + 1..end]) {
-                rows[row] -= value * factor;
+                rows[row as usize] -= value * factor;
             }
         }
         for column in (0..self.size).rev() {
             let (start, end) = columns(column);
             let mut value = rows[column];
             for (&row, &factor) in self.factor_rows[start + 1..end].iter().zip(&self.factor_values[start + 1..end]) {
-                value -= rows[row] * factor;
+                value -= rows[row as usize] * factor;
             }
             rows[column] = value / self.factor_values[start];
         }
@@ -41,15 +41,15 @@ impl Cholesky {
             let (start, end) = (self.factor_starts[column], self.factor_starts[column + 1]);
             self.row[column] /= self.factor_values[start];
             let value = self.row[column];
-            for slot in start + 1..end {
-                self.row[self.factor_rows[slot]] -= self.factor_values[slot] * value;
+            for (&row, &factor) in self.factor_rows[start + 1..end].iter().zip(&self.factor_values[start + 1..end]) {
+                self.row[row as usize] -= factor * value;
             }
         }
         for column in (0..self.size).rev() {
             let (start, end) = (self.factor_starts[column], self.factor_starts[column + 1]);
             let mut value = self.row[column];
-            for slot in start + 1..end {
-                value -= self.factor_values[slot] * self.row[self.factor_rows[slot]];
+            for (&row, &factor) in self.factor_rows[start + 1..end].iter().zip(&self.factor_values[start + 1..end]) {
+                value -= factor * self.row[row as usize];
             }
             self.row[column] = value / self.factor_values[start];
         }

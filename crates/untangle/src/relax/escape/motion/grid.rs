@@ -53,10 +53,10 @@ impl Grid {
     }
 
     /// Calls `seen` with the triangles in the cells of another one, and the cell.
-    pub(super) fn visit(&self, triangle: &SeenTriangle, mut seen: impl FnMut(usize, usize)) {
+    pub(super) fn visit(&self, triangle: &SeenTriangle, mut seen: impl FnMut(u32, usize)) {
         self.for_cells(triangle.low, triangle.high, |cell| {
             for &member in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
-                seen(member as usize, cell);
+                seen(member, cell);
             }
         });
     }

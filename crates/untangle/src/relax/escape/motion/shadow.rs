@@ -1,11 +1,13 @@
 //! How far one sheet has to be moved along a direction until it has left another: seen along that direction, a pair of
 //! triangles whose shadows overlap meets for an interval of shifts.
 
+use std::{cmp::Reverse, collections::BinaryHeap};
+
 use nalgebra::{Point3, Vector3};
 
 use super::{
     grid::Grid,
-    triangle::{SeenTriangle, seen_from},
+    triangle::{Interval, SeenTriangle, seen_from},
 };
 use crate::{
     intersect::{Intersections, Segment},
@@ -17,10 +19,20 @@ use crate::{
 pub(crate) struct Shadow {
     sheets: [Vec<SeenTriangle>; 2],
     grid: Grid,
-    intervals: Vec<(f64, f64)>,
+    pairs: Vec<Pair>,
+    intervals: BinaryHeap<Reverse<Interval>>,
     axes: [Vector3<f64>; 3],
     /// Faces with a common vertex that intersect, in both orders, ascending.
     hinged: Vec<[FaceId; 2]>,
+}
+
+/// Two triangles, one of each sheet, whose shadows may overlap: no shift at which they meet is less or more than these.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    least: f64,
+    most: f64,
+    first: u32,
+    second: u32,
 }
 
 /// A point of a sheet, with the shift that takes it to a point of the other.
@@ -59,39 +71,63 @@ impl Shadow {
     /// The distance that the first sheet has to be moved until it has left the second, in metres: the end of the run of
     /// shifts, from zero on, at which they meet. Ends early where it is more than `limit_m`.
     pub(crate) fn depth_m(&mut self, limit_m: f64) -> f64 {
-        let Self { sheets: [first, second], grid, intervals, hinged, .. } = self;
+        self.find_pairs(limit_m);
+        let Self { sheets: [first, second], pairs, intervals, .. } = self;
         intervals.clear();
-        if first.is_empty() || second.is_empty() {
-            return 0.0;
+        let mut pairs = pairs.iter().peekable();
+        let mut depth = 0.0;
+        while depth <= limit_m {
+            // Intervals in the order of their ends: one that is known waits for pairs whose interval may begin before.
+            if let Some(&&pair) = pairs.peek()
+                && intervals.peek().is_none_or(|Reverse(interval)| pair.least <= interval.least)
+            {
+                if pair.least > depth {
+                    break;
+                }
+                pairs.next();
+                // Most pairs are behind what is known, and their triangles need not be cut by each other.
+                if pair.most > depth
+                    && let Some(interval) = first[pair.first as usize].shifts_to(&second[pair.second as usize])
+                    && interval.most > 0.0
+                {
+                    intervals.push(Reverse(interval));
+                }
+            } else {
+                match intervals.pop() {
+                    Some(Reverse(interval)) if interval.least <= depth => depth = interval.most.max(depth),
+                    _ => break,
+                }
+            }
         }
-        for triangle in first.iter() {
+        depth
+    }
+
+    /// Pairs of triangles that may meet at a shift from zero to `limit_m`, by the least one.
+    fn find_pairs(&mut self, limit_m: f64) {
+        let Self { sheets: [first, second], grid, pairs, hinged, .. } = self;
+        pairs.clear();
+        if second.is_empty() {
+            return;
+        }
+        for (number, triangle) in (0u32..).zip(first.iter()) {
             grid.visit(triangle, |member, cell| {
-                let other = &second[member];
-                let is_first_cell = grid.cell_of([0, 1].map(|k| triangle.low[k].max(other.low[k]))) == cell;
+                let other = &second[member as usize];
                 let overlap = |k: usize| triangle.low[k] <= other.high[k] && other.low[k] <= triangle.high[k];
-                if is_first_cell
-                    && overlap(0)
+                let is_first_cell = || grid.cell_of([0, 1].map(|k| triangle.low[k].max(other.low[k]))) == cell;
+                let (least, most) = (other.near - triangle.far, other.far - triangle.near);
+                if overlap(0)
                     && overlap(1)
-                    && other.far > triangle.near
-                    && other.near - triangle.far <= limit_m
+                    && most > 0.0
+                    && least <= limit_m
+                    && is_first_cell()
                     && (triangle.vertices.iter().all(|vertex| !other.vertices.contains(vertex))
                         || hinged.binary_search(&[triangle.face, other.face]).is_ok())
-                    && let Some((least, most)) = triangle.shifts_to(other)
-                    && most > 0.0
                 {
-                    intervals.push((least, most));
+                    pairs.push(Pair { least, most, first: number, second: member });
                 }
             });
         }
-        intervals.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let mut depth = 0.0;
-        for &(least, most) in intervals.iter() {
-            if least > depth || depth > limit_m {
-                break;
-            }
-            depth = most.max(depth);
-        }
-        depth
+        pairs.sort_unstable_by(|a, b| a.least.total_cmp(&b.least).then((a.first, a.second).cmp(&(b.first, b.second))));
     }
 
     /// The meeting farthest ahead, but not beyond `depth_m`, of a point of the first sheet with the second one.
@@ -100,7 +136,7 @@ impl Shadow {
         let mut farthest: Option<Meeting> = None;
         let place = SeenTriangle::point(seen, vertex);
         self.grid.visit(&place, |member, _| {
-            let other = &self.sheets[1][member];
+            let other = &self.sheets[1][member as usize];
             if other.vertices.contains(&vertex) {
                 return;
             }

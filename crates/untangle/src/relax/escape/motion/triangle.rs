@@ -1,5 +1,7 @@
 //! Triangles seen along a direction, and the shifts along it at which two of them meet.
 
+use std::cmp::Ordering;
+
 use arrayvec::ArrayVec;
 use nalgebra::{Point3, Vector3};
 
@@ -18,6 +20,34 @@ pub(super) struct SeenTriangle {
     pub(super) far: f64,
     /// Twice the signed area of its shadow.
     area: f64,
+}
+
+/// Shifts of the first of two triangles at which they meet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval {
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl PartialEq for Interval {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Interval {}
+
+impl PartialOrd for Interval {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// By where they begin.
+impl Ord for Interval {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.least.total_cmp(&other.least).then(self.most.total_cmp(&other.most))
+    }
 }
 
 /// A point in three axes, the last of them along the direction.
@@ -47,7 +77,7 @@ impl SeenTriangle {
 
     /// The least and the largest shift at which this triangle, moved along, meets another; nothing where their shadows
     /// don't overlap.
-    pub(super) fn shifts_to(&self, other: &Self) -> Option<(f64, f64)> {
+    pub(super) fn shifts_to(&self, other: &Self) -> Option<Interval> {
         // The smaller shadow is cut by the larger one, whose depth is known in each point of it.
         let (cut, by, sign) =
             if self.area.abs() <= other.area.abs() { (self, other, 1.0) } else { (other, self, -1.0) };
@@ -62,14 +92,14 @@ impl SeenTriangle {
                 return None;
             }
         }
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut found = Interval { least: f64::INFINITY, most: f64::NEG_INFINITY };
         for point in &polygon {
             let weights = by.weights_unchecked(point);
             let there: f64 = by.corners.iter().zip(weights).map(|(corner, weight)| corner.z * weight).sum();
             let shift = sign * (there - point.z);
-            (least, most) = (least.min(shift), most.max(shift));
+            found = Interval { least: found.least.min(shift), most: found.most.max(shift) };
         }
-        Some((least, most))
+        Some(found)
     }
 
     /// Barycentric coordinates of any point of the plane across.
@@ -93,15 +123,17 @@ fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> f64 {
 /// The part of a convex polygon where `side` is not negative (Sutherland and Hodgman 1974).
 fn clipped(polygon: &[Vector3<f64>], side: impl Fn(&Vector3<f64>) -> f64) -> ArrayVec<Vector3<f64>, 6> {
     let mut kept = ArrayVec::new();
-    for (index, point) in polygon.iter().enumerate() {
-        let next = &polygon[(index + 1) % polygon.len()];
-        let (here, there) = (side(point), side(next));
-        if here >= 0.0 {
-            let _ = kept.try_push(*point);
-        }
+    let Some(mut point) = polygon.last() else { return kept };
+    let mut here = side(point);
+    for next in polygon {
+        let there = side(next);
         if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
             let _ = kept.try_push(point + (next - point) * (here / (here - there)));
         }
+        if there >= 0.0 {
+            let _ = kept.try_push(*next);
+        }
+        (point, here) = (next, there);
     }
     kept
 }
