@@ -69,7 +69,8 @@ fn pressed(effort: Effort, factor: f64) -> Seen {
                 ensure(!with_uvs || has_as_many, || format!("{}: another inside", what()))?;
                 // Most of the time of a test, in which each sheet of a size takes another axis.
                 if effort == Effort::Full || (seed + seed / 3) % 3 == axis {
-                    check_all_responses(&mesh, &frame(&mesh, &flat)?).map_err(|words| format!("{}: {words}", what()))?;
+                    check_all_responses(&mesh, &frame(&mesh, &flat)?)
+                        .map_err(|words| format!("{}: {words}", what()))?;
                 }
                 condition = condition.max(found.condition());
                 same[usize::from(with_uvs)] += usize::from(is_same);
