@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::{domain::Domain, rotation::nearest_rotation};
+use super::{domain::Domain, rotation::turn_into_nearest_rotations};
 use crate::{
     frame::Frame,
     mesh::{EdgeId, Mesh, VertexId},
@@ -97,8 +97,7 @@ impl ArapEnergy<'_> {
         out: &mut [Vector3<f64>],
     ) {
         let Self { mesh, frame, rest, domain, rest_weight, membrane, anchor } = *self;
-        rotations.clear();
-        rotations.extend(domain.vertices().iter().map(|&vertex| self.rotations(displacement, vertex)));
+        self.find_rotations(displacement, rotations);
         for (local, &vertex) in domain.vertices().iter().enumerate() {
             let mut force = (rest.position(vertex) - frame.position(vertex)) * anchor;
             for &edge in mesh.vertex_edges(vertex) {
@@ -127,7 +126,8 @@ impl ArapEnergy<'_> {
     pub(crate) fn value(&self, stiffness: f64, positions: &[Point3<f64>]) -> f64 {
         let Self { mesh, rest, domain, membrane, anchor, .. } = *self;
         let mut rotations: Vec<Matrix3<f64>> = Vec::with_capacity(domain.vertices().len());
-        rotations.extend(domain.vertices().iter().map(|&vertex| self.rotation_from_rest(positions, vertex)));
+        rotations.extend(domain.vertices().iter().map(|&vertex| self.turn_from_rest(positions, vertex)));
+        turn_into_nearest_rotations(rotations.iter_mut());
         let mut sum = 0.0;
         for (local, &vertex) in domain.vertices().iter().enumerate() {
             sum += anchor * (positions[vertex.index()] - rest.position(vertex)).norm_squared();
@@ -147,19 +147,31 @@ impl ArapEnergy<'_> {
         0.5 * sum
     }
 
-    /// The rotation that takes the rest edges round a vertex to those of other positions.
-    fn rotation_from_rest(&self, positions: &[Point3<f64>], vertex: VertexId) -> Matrix3<f64> {
+    /// The matrix whose nearest rotation takes the rest edges round a vertex to those of other positions.
+    fn turn_from_rest(&self, positions: &[Point3<f64>], vertex: VertexId) -> Matrix3<f64> {
         let mut sum = Matrix3::zeros();
         for &edge in self.mesh.vertex_edges(vertex) {
             let other = self.mesh.opposite_vertex(edge, vertex);
             let now = positions[other.index()] - positions[vertex.index()];
             sum += now * self.rest.edge_vector(vertex, other).transpose() * self.rest.weight(edge);
         }
-        nearest_rotation(&sum)
+        sum
     }
 
-    /// The rotations that take the present edges and the rest edges round a vertex to the displaced ones.
-    fn rotations(&self, displacement: &[Vector3<f64>], vertex: VertexId) -> [Matrix3<f64>; 2] {
+    /// The rotations that take the present edges and the rest edges round each vertex to the displaced ones; one
+    /// without weight in the force is not computed.
+    fn find_rotations(&self, displacement: &[Vector3<f64>], rotations: &mut Vec<[Matrix3<f64>; 2]>) {
+        rotations.clear();
+        rotations.extend(self.domain.vertices().iter().map(|&vertex| self.turns(displacement, vertex)));
+        for (k, weight) in [1.0 - self.rest_weight, self.rest_weight].into_iter().enumerate() {
+            if weight > 0.0 {
+                turn_into_nearest_rotations(rotations.iter_mut().map(|both| &mut both[k]));
+            }
+        }
+    }
+
+    /// The matrices whose nearest rotations those of a vertex are.
+    fn turns(&self, displacement: &[Vector3<f64>], vertex: VertexId) -> [Matrix3<f64>; 2] {
         let mut sums = [Matrix3::zeros(); 2];
         for &edge in self.mesh.vertex_edges(vertex) {
             let other = self.mesh.opposite_vertex(edge, vertex);
@@ -168,9 +180,7 @@ impl ArapEnergy<'_> {
             sums[0] += then * now.transpose() * self.rest.weight(edge);
             sums[1] += then * self.rest.edge_vector(vertex, other).transpose() * self.rest.weight(edge);
         }
-        // A rotation without weight in the force is not computed.
-        let weights = [1.0 - self.rest_weight, self.rest_weight];
-        [0, 1].map(|k| if weights[k] > 0.0 { nearest_rotation(&sums[k]) } else { Matrix3::identity() })
+        sums
     }
 
     fn displacement_of(&self, displacement: &[Vector3<f64>], vertex: VertexId) -> Vector3<f64> {
