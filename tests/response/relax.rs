@@ -247,10 +247,11 @@ fn relax_until_stopped_at_once_gives_back_the_input_as_interrupted() {
     assert!(relaxation.interrupted && relaxation.history.is_empty());
 }
 
-/// Round coarse tubes the windows of the sheets hold strands that overlap elsewhere.
+/// Round coarse tubes the windows of the sheets hold strands that overlap elsewhere. On fine ones more edges intersect,
+/// and a limit on their number would take candidates away that the coarse ones have.
 #[test]
 fn relax_of_a_knotted_tube_moves_as_little_with_coarse_faces_as_with_fine_ones() {
-    for around in [10, 20] {
+    let means = [10, 20].map(|around| {
         let (faces, positions) = Knot::Torus(3.0, 4.0).tube(around, 0.2);
         let mesh = Mesh::new(MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }).unwrap();
         let settings = RelaxSettings::default();
@@ -263,7 +264,7 @@ fn relax_of_a_knotted_tube_moves_as_little_with_coarse_faces_as_with_fine_ones()
             .map(|(a, b)| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt())
             .sum();
         // The torus has radii of 2 and 1.
-        let mean = moved / positions.len() as f64 / 6.0;
-        assert!(mean < 0.01, "{around}: {mean}");
-    }
+        moved / positions.len() as f64 / 6.0
+    });
+    assert!(means[0] < 0.01 && means[1] < 0.9 * means[0], "{means:?}");
 }

@@ -42,8 +42,9 @@ const PATIENCE_WITHOUT_CONTOURS: usize = 4;
 const MIN_GAIN: f64 = 0.02;
 /// Iterations without that much gain until other ways are tried.
 const STALLED: usize = 2;
-/// States with fewer edge-face intersections get more candidates.
+/// States with fewer edge-face intersections, or, on any fineness, no more path pairs get more candidates.
 const FEW: usize = 400;
+const FEW_PAIRS: usize = 32;
 
 /// Iterates from the present state until nothing intersects any more, or nothing helps any more.
 ///
@@ -195,7 +196,8 @@ impl Descent {
         for (rows, constraints) in Rows::ALL.into_iter().zip(&mut self.constraints) {
             rows.collect(relaxer, &self.analysis, &self.motions, &self.sides, self.variant.part, constraints);
         }
-        let has_few = self.analysis.intersections.edge_face.len() < FEW;
+        let Analysis { intersections, paths, .. } = &self.analysis;
+        let has_few = intersections.edge_face.len() < FEW || paths.pairs.len() <= FEW_PAIRS;
         let recipes = recipes(&Stage {
             has_few: has_few && relaxer.settings.effort != Effort::Fast,
             is_stalled: self.stalled >= STALLED,
