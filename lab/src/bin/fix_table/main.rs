@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --release -p untangled-lab --bin fix_table -- [--quality fast|balanced|accurate] [--most N] [--seconds S]
-//! [--subdivide N] [--motions N] [--perturb N] [--no-uvs] [--curve] [--watch]
+//! [--one-attempt] [--subdivide N] [--motions N] [--perturb N] [--no-uvs] [--curve] [--watch]
 //! [--crumple SQUARES [--frequency F] [--seed N]] [--knots AROUND [--overlap PART]] FILE...
 //! ```
 //!
@@ -11,13 +11,14 @@
 //! the diagonal of the bounding box; least and greatest ratio of an edge's length to that before; least ratio of a
 //! face's area; vertices that moved, in percent; processor seconds; the methods in order.
 //!
-//! `--subdivide N` splits every triangle in four, N times, before. `--motions N` takes every mesh N times, each under
-//! another random rigid motion and scale. `--perturb N` takes it N times more, each vertex moved by up to 1e-12 of the
-//! diagonal and every other time under other names of vertices and faces, and prints the least, the median and the
-//! greatest value of each column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods,
-//! `--knots N` takes ten knotted tubes of N vertices around, thicker by a part than there is room for. `--seconds`
-//! ends a mesh after so much processor time; `--curve` prints the intersections after each iteration, `--watch` does
-//! so on standard error while it works.
+//! `--one-attempt` makes no other attempts where the first ended far from the input. `--subdivide N` splits every
+//! triangle in four, N times, before. `--motions N` takes every mesh N times, each under another random rigid motion
+//! and scale. `--perturb N` takes it N times more, each vertex moved by up to 1e-12 of the diagonal and every other
+//! time under other names of vertices and faces, and prints the least, the median and the greatest value of each
+//! column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods, `--knots N` takes ten
+//! knotted tubes of N vertices around, thicker by a part than there is room for. `--seconds` ends a mesh after so much
+//! processor time; `--curve` prints the intersections after each iteration, `--watch` does so on standard error while
+//! it works.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod change;

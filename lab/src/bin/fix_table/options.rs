@@ -52,6 +52,7 @@ impl Options {
                 "--seed" => options.seed = value()?.parse()?,
                 "--knots" => options.knots.push(value()?.parse()?),
                 "--overlap" => options.overlap = value()?.parse()?,
+                "--one-attempt" => options.run.settings.other_attempts = false,
                 "--curve" => options.run.curve = true,
                 "--watch" => options.run.watch = true,
                 _ => options.files.push(argument),
