@@ -60,7 +60,7 @@ pub(super) fn is_far(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
 /// as well, but in large tangles, where they take long.
 pub(super) fn take_least(relaxer: &mut Relaxer<'_>, largest: Largest, is_clean: bool) -> Result<bool, RelaxError> {
     let mut others = ends(relaxer, largest, &Way::TRIALS)?;
-    // Their ends are rarely nearer than those of trials, and take ten times as long.
+    // Descents take ten times as long as trials, and beside a clean end theirs are hardly ever nearer.
     if !is_clean && others.is_empty() && !largest.is_large() {
         others = ends(relaxer, largest, &DescentVariant::OTHERS.map(Way::Descent))?;
     }

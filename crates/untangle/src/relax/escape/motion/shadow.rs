@@ -26,7 +26,8 @@ pub(crate) struct Shadow {
     hinged: Vec<[FaceId; 2]>,
 }
 
-/// Two triangles, one of each sheet, whose shadows may overlap: no shift at which they meet is less or more than these.
+/// Two triangles, one of each sheet, whose shadows may overlap. Where they meet, the shift is from `least` to `most`,
+/// but for rounding.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     least: f64,
