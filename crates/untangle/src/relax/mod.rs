@@ -12,6 +12,7 @@
 //! | `escape` | the nearest plan: sheets leave each other by the shortest motions |
 //! | `resolve` | iterations of trial displacements |
 //! | `nudge` | single vertices, for the little that is left |
+//! | `multilevel` | coarser meshes, and their states carried over to the finer one |
 //! | `attempt` | these three from the input, one where the other ends stuck |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
@@ -31,6 +32,7 @@ mod constraints;
 mod energy;
 mod escape;
 mod flattening;
+mod multilevel;
 mod nudge;
 mod outcome;
 mod plan;
@@ -59,10 +61,12 @@ pub use settings::{Effort, RelaxSettings};
 /// [`relax_until`] for an end within an iteration.
 ///
 /// Where the first attempt took a long way, and ended far from the input, others are made from the input, side by side,
-/// and the end that costs least is kept, with its history. These tell `progress` nothing.
+/// and from where a coarser mesh comes apart, and the end that costs least is kept, with its history. These tell
+/// `progress` nothing.
 ///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
-/// over the vertices near the intersections. There are up to 13 other attempts.
+/// over the vertices near the intersections. There are up to 14 other attempts, and those on
+/// coarser meshes.
 ///
 /// # Errors
 /// [`RelaxError`] for positions that no frame accepts.

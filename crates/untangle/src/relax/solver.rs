@@ -1,11 +1,18 @@
 //! The whole relaxation: one plan after the other until one ends clean, then shape recovery.
 
+use std::ops::ControlFlow;
+
+use nalgebra::Point3;
+
 use super::{
-    alternatives::{are_allowed, is_far, take_least},
+    alternatives::{
+        CleanEnd, are_allowed, end_from_coarser, is_far, is_strained, take, take_if_less, take_least, take_led_back,
+    },
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
-    outcome::{BestState, End, RelaxError, Solution},
+    multilevel::CoarserMesh,
+    outcome::{BestState, End, Iteration, RelaxError, Solution},
     plan::{Largest, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths},
     relaxer::{Progress, Relaxer},
     resolve::resolve,
@@ -24,8 +31,33 @@ use crate::{
 /// A tangle of less than this part of another is far less.
 const FAR_LESS: f64 = 0.1;
 
+/// The most levels of coarser meshes: with half of the vertices each, edges are up to eight times as long.
+const MAX_LEVELS: usize = 6;
+
+/// Which mesh of a hierarchy is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Level {
+    Given,
+    /// A coarser one, which begins from one that is coarser still, so many times. What comes apart there by
+    /// straightening only says nothing of the finer one.
+    Coarser {
+        num_below: usize,
+    },
+}
+
 /// The best state that is found from an input, its shape recovered.
 pub(super) fn solve(
+    mesh: &Mesh,
+    positions: &[[f64; 3]],
+    settings: &RelaxSettings,
+    progress: &mut Progress<'_>,
+    should_stop: &ShouldStop<'_>,
+) -> Result<Solution, RelaxError> {
+    solve_level(Level::Given, mesh, positions, settings, progress, should_stop)
+}
+
+fn solve_level(
+    level: Level,
     mesh: &Mesh,
     positions: &[[f64; 3]],
     settings: &RelaxSettings,
@@ -36,17 +68,16 @@ pub(super) fn solve(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
-    let (mut end, has_least) = attempts(&mut relaxer, largest, &mut best, progress)?;
-    if end == End::Stuck {
+    let (mut end, is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
+    if end == End::Stuck && level == Level::Given {
         end = run_plans(&mut relaxer, largest, &mut best, progress)?;
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
-        let is_to_compete = end == End::Clean && !has_least && are_allowed(&relaxer, largest);
-        if !interrupted && is_to_compete && is_far(&relaxer, largest) {
-            take_least(&mut relaxer, largest, true)?;
+        if !interrupted && end == End::Clean && !is_taken && are_allowed(&relaxer, largest) {
+            compete(level, &mut relaxer, largest)?;
             interrupted = should_stop();
         }
     }
@@ -54,9 +85,68 @@ pub(super) fn solve(
     Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
 }
 
-/// The first attempt, and the others where that leaves little. How it ended, and whether that is the least of several
-/// ends.
+/// Other attempts, where the present state, a clean one, leaves much to be gained.
+fn compete(level: Level, relaxer: &mut Relaxer<'_>, largest: Largest) -> Result<(), RelaxError> {
+    if is_far(relaxer, largest) {
+        take_least(relaxer, largest, true)?;
+    } else if level == Level::Given
+        && is_strained(relaxer)
+        && let Some(end) = end_by_coarser(relaxer, largest)?
+    {
+        take_if_less(relaxer, end)?;
+    }
+    Ok(())
+}
+
+/// The end that coarser meshes lead to: of several levels that begin from the coarsest, the coarsest first, the first
+/// end that is near the input, or else the one that moves the mean vertex least.
+fn end_by_coarser(relaxer: &Relaxer<'_>, largest: Largest) -> Result<Option<CleanEnd>, RelaxError> {
+    let mut least: Option<CleanEnd> = None;
+    for num_below in (0..MAX_LEVELS).rev() {
+        if let Some(end) = end_from_level(relaxer, largest, num_below)? {
+            if end.is_near() {
+                return Ok(Some(end));
+            }
+            least = Some(end).into_iter().chain(least).min_by(|a, b| a.mean().total_cmp(&b.mean()));
+        }
+    }
+    Ok(least)
+}
+
+/// The end that a coarser mesh with so many below it leads to, if that is clean.
+fn end_from_level(relaxer: &Relaxer<'_>, largest: Largest, num_below: usize) -> Result<Option<CleanEnd>, RelaxError> {
+    match state_of_coarser(relaxer, num_below)? {
+        Some(state) => end_from_coarser(relaxer, largest, &state),
+        None => Ok(None),
+    }
+}
+
+/// Where the vertices are after a coarser mesh of the input came apart; nothing where there is none, or not so many
+/// below it, or nothing intersects in it, or it does not come apart. Deep tangles are fewer edges deep there, and cost
+/// less.
+///
+/// Cost: that of an attempt on half of the vertices, and on each of those below it.
+fn state_of_coarser(relaxer: &Relaxer<'_>, num_below: usize) -> Result<Option<Vec<Point3<f64>>>, RelaxError> {
+    let Relaxer { mesh, settings, rest, should_stop, .. } = relaxer;
+    let Some(coarser) = CoarserMesh::of(mesh, rest.positions()) else { return Ok(None) };
+    let settings = RelaxSettings { single_precision: false, ..(*settings).clone() };
+    let mut progress = |_: &Iteration| ControlFlow::Continue(());
+    let found = solve_level(
+        Level::Coarser { num_below },
+        &coarser.mesh,
+        &coarser.positions,
+        &settings,
+        &mut progress,
+        *should_stop,
+    )?;
+    let helps = found.end == End::Clean && !found.history.is_empty() && !found.interrupted;
+    Ok(helps.then(|| coarser.prolonged(rest.positions(), &found.positions)))
+}
+
+/// The first attempt, and the others where that leaves little. How it ended, and whether other ends were looked at. A
+/// coarser mesh begins from one that is coarser still, and the given one only where attempts from the input end stuck.
 fn attempts(
+    level: Level,
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
     best: &mut BestState,
@@ -65,16 +155,33 @@ fn attempts(
     if largest.is_crowded() && relaxer.sides.is_none() {
         return Ok((End::Stuck, false));
     }
+    if let Level::Coarser { num_below: num_below @ 1.. } = level {
+        let Some(end) = end_from_level(relaxer, largest, num_below - 1)? else { return Ok((End::Stuck, false)) };
+        take(relaxer, end)?;
+        return Ok((keep(relaxer, best), true));
+    }
     let tangle = total(&relaxer.now).merit();
     let end = attempt(relaxer, largest.num_edge_face, DescentVariant::FIRST, best, progress)?;
-    if end == End::Stuck && best.merit < FAR_LESS * tangle && are_allowed(relaxer, largest) {
+    if end == End::Stuck && are_allowed(relaxer, largest) {
         relaxer.set_frame(&best.positions)?;
-        if take_least(relaxer, largest, false)? {
-            *best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
-            return Ok((End::Clean, true));
+        if best.merit < FAR_LESS * tangle && take_least(relaxer, largest, false)? {
+            return Ok((keep(relaxer, best), true));
+        }
+        if level == Level::Given
+            && !largest.has_many_paths()
+            && let Some(end) = end_by_coarser(relaxer, largest)?
+        {
+            take_led_back(relaxer, largest, end)?;
+            return Ok((keep(relaxer, best), true));
         }
     }
     Ok((end, false))
+}
+
+/// Makes the present state, a clean one, the best.
+fn keep(relaxer: &Relaxer<'_>, best: &mut BestState) -> End {
+    *best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
+    End::Clean
 }
 
 /// One plan from the input after the other, until one does not end stuck.
@@ -169,3 +276,6 @@ fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
         is_copy: are_copies_in_one_place(mesh, frame, &intersections.segments),
     }
 }
+
+#[cfg(test)]
+mod tests;

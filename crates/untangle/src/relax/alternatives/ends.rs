@@ -17,9 +17,18 @@ const SMALL_STRAIN: f64 = 0.095;
 /// Nor are faces that keep this part of their area.
 const LARGE_AREA: f64 = 0.5;
 
+/// An end that strains an edge by more than this logarithm, of a fifth, or leaves a face less than this part of its
+/// area, is strained.
+const LARGE_STRAIN: f64 = 0.182;
+const SMALL_AREA: f64 = 0.4;
+
+/// The limits of the descent: a factor of 1.5, and a quarter of the area.
+const MAX_STRAIN: f64 = 0.406;
+const MIN_AREA: f64 = 0.25;
+
 /// A clean end of an attempt, its shape recovered.
 #[derive(Clone)]
-pub(super) struct CleanEnd {
+pub(in crate::relax) struct CleanEnd {
     pub(super) positions: Vec<Point3<f64>>,
     pub(super) history: Vec<Iteration>,
     largest_m: f64,
@@ -42,6 +51,20 @@ impl CleanEnd {
             positions,
             history: relaxer.history.clone(),
         }
+    }
+
+    /// The mean displacement as a part of the diagonal.
+    pub(in crate::relax) fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    pub(super) fn is_strained(&self) -> bool {
+        self.strain > LARGE_STRAIN || self.least_area < SMALL_AREA
+    }
+
+    /// Whether an edge or a face is beyond the limits of the descent.
+    pub(super) fn is_beyond_limits(&self) -> bool {
+        self.strain > MAX_STRAIN || self.least_area < MIN_AREA
     }
 
     /// Whether it moves no more than another one, on the average and where it is farthest, and strains no edge and no

@@ -14,6 +14,7 @@
 mod ends;
 mod ways;
 
+use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
@@ -23,7 +24,8 @@ use super::{
     relaxer::Relaxer,
     settings::Effort,
 };
-use ends::{CleanEnd, Measure, mean_displacement};
+pub(super) use ends::CleanEnd;
+use ends::{Measure, mean_displacement};
 use ways::Way;
 
 /// A state is near the input where its vertices moved by no more than this part of the diagonal, on the average.
@@ -34,7 +36,7 @@ const NEAR_OF_LARGE: f64 = 0.02;
 const CLEARLY_LESS: f64 = 0.99;
 /// The parts of the way to the best end from which attempts begin again.
 const PARTS: [f64; 3] = [0.5, 0.75, 0.9];
-/// How often that is done, as long as each time takes away so much of what it costs.
+/// How often that is done, as long as each time takes away so much of what it costs; with large tangles once.
 const MAX_ROUNDS: usize = 3;
 const MIN_GAIN: f64 = 0.05;
 
@@ -47,9 +49,61 @@ pub(super) fn are_allowed(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
 
 /// Whether the present state, a clean one, is far from the input. Where that took straightening, no motion is short.
 pub(super) fn is_far(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
-    let near = if largest.is_large() { NEAR_OF_LARGE } else { NEAR };
-    let is_straightened = relaxer.history.iter().any(|step| step.method == Method::Flatten);
-    !is_straightened && mean_displacement(relaxer) > near
+    !is_straightened(relaxer) && mean_displacement(relaxer) > near(largest)
+}
+
+/// Whether the present state, a clean one, strains an edge or a face so much that another may strain it less.
+pub(super) fn is_strained(relaxer: &Relaxer<'_>) -> bool {
+    !is_straightened(relaxer) && CleanEnd::of(relaxer).is_strained()
+}
+
+fn is_straightened(relaxer: &Relaxer<'_>) -> bool {
+    relaxer.history.iter().any(|step| step.method == Method::Flatten)
+}
+
+impl CleanEnd {
+    /// Whether it is near the input beside what straightening leaves.
+    pub(in crate::relax) fn is_near(&self) -> bool {
+        self.mean() <= NEAR_OF_LARGE
+    }
+}
+
+fn near(largest: Largest) -> f64 {
+    if largest.is_large() { NEAR_OF_LARGE } else { NEAR }
+}
+
+/// Where the first descent ends from where a coarser mesh came apart; nothing where that is not clean.
+///
+/// Cost: that of an attempt from a state that is hardly tangled.
+pub(super) fn end_from_coarser(
+    relaxer: &Relaxer<'_>,
+    largest: Largest,
+    state: &[Point3<f64>],
+) -> Result<Option<CleanEnd>, RelaxError> {
+    Way::Coarser(state).end(relaxer, largest)
+}
+
+/// Goes over to an end, led back where it is far from the input, or strains an edge or a face beyond the limits.
+pub(super) fn take_led_back(relaxer: &mut Relaxer<'_>, largest: Largest, end: CleanEnd) -> Result<(), RelaxError> {
+    take(relaxer, end.clone())?;
+    if !end.is_near() || end.is_beyond_limits() {
+        take_nearest(relaxer, largest, vec![end])?;
+    }
+    Ok(())
+}
+
+/// Goes over to an end where it costs less than the present state, a clean one, and moves and strains no more.
+pub(super) fn take_if_less(relaxer: &mut Relaxer<'_>, end: CleanEnd) -> Result<(), RelaxError> {
+    let first = CleanEnd::of(relaxer);
+    if end.is_no_loss_beside(&first) {
+        let ends = vec![first, end];
+        if let Some(measure) = Measure::of(relaxer, &ends)
+            && let Some((end, _)) = least(relaxer, &measure, ends)
+        {
+            take(relaxer, end)?;
+        }
+    }
+    Ok(())
 }
 
 /// Makes the other attempts, side by side, and goes over to the end that costs least; `is_clean` says whether the
@@ -68,12 +122,23 @@ pub(super) fn take_least(relaxer: &mut Relaxer<'_>, largest: Largest, is_clean: 
     let is_candidate = |end: &CleanEnd| first.as_ref().is_none_or(|first| end.is_no_loss_beside(first));
     let others: Vec<CleanEnd> = others.into_iter().filter(is_candidate).collect();
     let ends: Vec<CleanEnd> = first.into_iter().chain(others).collect();
-    let Some(measure) = Measure::of(relaxer, &ends) else { return Ok(is_clean) };
-    let Some(end) = least(relaxer, &measure, ends) else { return Ok(is_clean) };
+    Ok(take_nearest(relaxer, largest, ends)? || is_clean)
+}
+
+/// Goes over to the end that costs least, led back. False without any.
+fn take_nearest(relaxer: &mut Relaxer<'_>, largest: Largest, ends: Vec<CleanEnd>) -> Result<bool, RelaxError> {
+    let Some(measure) = Measure::of(relaxer, &ends) else { return Ok(false) };
+    let Some(end) = least(relaxer, &measure, ends) else { return Ok(false) };
     let end = nearest(relaxer, largest, &measure, end)?;
+    take(relaxer, end)?;
+    Ok(true)
+}
+
+/// Goes over to an end.
+pub(super) fn take(relaxer: &mut Relaxer<'_>, end: CleanEnd) -> Result<(), RelaxError> {
     relaxer.set_frame(&end.positions)?;
     relaxer.history = end.history;
-    Ok(true)
+    Ok(())
 }
 
 /// The end of attempts from parts of the way to an end that costs least, or that end.
@@ -83,7 +148,8 @@ fn nearest(
     measure: &Measure,
     (mut end, mut cost): (CleanEnd, f64),
 ) -> Result<CleanEnd, RelaxError> {
-    for _ in 0..MAX_ROUNDS {
+    let max_rounds = if largest.is_large() { 1 } else { MAX_ROUNDS };
+    for _ in 0..max_rounds {
         let before = cost;
         let nearer = ends(relaxer, largest, &PARTS.map(|part| Way::Part(&end, part)))?;
         let nearer: Vec<CleanEnd> = nearer.into_iter().filter(|nearer| nearer.is_no_loss_beside(&end)).collect();

@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use nalgebra::Point3;
+
 use super::ends::CleanEnd;
 use crate::relax::{
     attempt::attempt,
@@ -24,6 +26,8 @@ pub(super) enum Way<'a> {
     Descent(DescentVariant),
     /// The first descent, from this part of the way to an end.
     Part(&'a CleanEnd, f64),
+    /// The first descent, from where a coarser mesh came apart.
+    Coarser(&'a [Point3<f64>]),
 }
 
 impl Way<'_> {
@@ -40,10 +44,14 @@ impl Way<'_> {
         let mut relaxer = Relaxer::new(mesh, &input, settings, *should_stop)?;
         relaxer.first_islands = first.first_islands.clone();
         let mut start = rest.positions().to_vec();
-        if let Self::Part(end, part) = self {
-            let pairs = start.iter_mut().zip(&end.positions);
-            pairs.for_each(|(at, end)| *at = stored(*at + (end - *at) * part, settings.single_precision));
+        match self {
+            Self::Part(end, part) => {
+                start.iter_mut().zip(&end.positions).for_each(|(at, end)| *at += (end - *at) * part)
+            }
+            Self::Coarser(state) => start.copy_from_slice(state),
+            Self::Trials(_) | Self::Descent(_) => {}
         }
+        start.iter_mut().for_each(|at| *at = stored(*at, settings.single_precision));
         relaxer.set_frame(&start)?;
         let mut progress = |_: &Iteration| ControlFlow::Continue(());
         let mut best = BestState { merit: f64::INFINITY, positions: start };
@@ -54,7 +62,9 @@ impl Way<'_> {
                 resolve(&mut relaxer, objective, Pace::Usual, stall, &mut best, &mut progress)?
             }
             Self::Descent(variant) => attempt(&mut relaxer, num_edge_face, variant, &mut best, &mut progress)?,
-            Self::Part(..) => attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, &mut progress)?,
+            Self::Part(..) | Self::Coarser(_) => {
+                attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, &mut progress)?
+            }
         };
         if how != End::Clean {
             return Ok(None);

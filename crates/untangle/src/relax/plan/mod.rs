@@ -60,7 +60,12 @@ impl Largest {
 
     /// Whether it is so large, of so many paths, that trials hardly help: a crumple, or surfaces that nearly coincide.
     pub(super) fn is_crowded(self) -> bool {
-        self.is_copy && self.num_edge_face > LARGE || is_beyond_trials(self.num_edge_face) && self.num_pairs > MAX_PATHS
+        self.is_copy && self.num_edge_face > LARGE || is_beyond_trials(self.num_edge_face) && self.has_many_paths()
+    }
+
+    /// Whether so many paths meet that motions of single ones contradict each other: a crumple.
+    pub(super) fn has_many_paths(self) -> bool {
+        self.num_pairs > MAX_PATHS
     }
 }
 
