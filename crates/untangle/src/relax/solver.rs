@@ -68,9 +68,9 @@ fn solve_level(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
-    let (mut end, is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
+    let (mut end, mut is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck && level == Level::Given {
-        end = run_plans(&mut relaxer, largest, &mut best, progress)?;
+        (end, is_taken) = run_plans(&mut relaxer, largest, &mut best, progress)?;
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
@@ -144,7 +144,7 @@ fn state_of_coarser(relaxer: &Relaxer<'_>, num_below: usize) -> Result<Option<Ve
 }
 
 /// The first attempt, and the others where that leaves little. How it ended, and whether other ends were looked at. A
-/// coarser mesh begins from one that is coarser still, and the given one only where attempts from the input end stuck.
+/// coarser mesh begins from one that is coarser still.
 fn attempts(
     level: Level,
     relaxer: &mut Relaxer<'_>,
@@ -167,13 +167,6 @@ fn attempts(
         if best.merit < FAR_LESS * tangle && take_least(relaxer, largest, false)? {
             return Ok((keep(relaxer, best), true));
         }
-        if level == Level::Given
-            && !largest.has_many_paths()
-            && let Some(end) = end_by_coarser(relaxer, largest)?
-        {
-            take_led_back(relaxer, largest, end)?;
-            return Ok((keep(relaxer, best), true));
-        }
     }
     Ok((end, false))
 }
@@ -184,13 +177,14 @@ fn keep(relaxer: &Relaxer<'_>, best: &mut BestState) -> End {
     End::Clean
 }
 
-/// One plan from the input after the other, until one does not end stuck.
+/// One plan from the input after the other, until one does not end stuck, and coarser meshes before anything is
+/// flattened. How the last one ended, and whether that was of coarser meshes.
 fn run_plans(
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
     best: &mut BestState,
     progress: &mut Progress<'_>,
-) -> Result<End, RelaxError> {
+) -> Result<(End, bool), RelaxError> {
     let input = relaxer.rest.positions().to_vec();
     let plans = if relaxer.is_on_wrong_side_only() { plans_without_paths() } else { plans(largest) };
     let mut end = End::Stuck;
@@ -204,13 +198,22 @@ fn run_plans(
                 let stall = StallCriterion::with(largest.num_edge_face, pace);
                 resolve(relaxer, objective, pace, stall, best, progress)?
             }
-            Plan::Flatten => flatten_if_it_pays(relaxer, best, progress)?,
+            Plan::Flatten => {
+                if are_allowed(relaxer, largest)
+                    && !largest.has_many_paths()
+                    && let Some(end) = end_by_coarser(relaxer, largest)?
+                {
+                    take_led_back(relaxer, largest, end)?;
+                    return Ok((keep(relaxer, best), true));
+                }
+                flatten_if_it_pays(relaxer, best, progress)?
+            }
         };
         if end != End::Stuck {
             break;
         }
     }
-    Ok(end)
+    Ok((end, false))
 }
 
 /// Flattening moves everything. What it leaves is kept only where it is clean, or far less tangled than the best state
