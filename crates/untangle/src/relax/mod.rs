@@ -61,11 +61,11 @@ pub use settings::{Effort, RelaxSettings};
 /// [`relax_until`] for an end within an iteration.
 ///
 /// Where the first attempt took a long way, and ended far from the input, others are made from the input, side by side,
-/// and from where a coarser mesh comes apart, and the end that costs least is kept, with its history. These tell
-/// `progress` nothing.
+/// and the end that costs least is kept, with its history. Where only straightening would help, coarser meshes come
+/// first. These tell `progress` nothing.
 ///
 /// Cost: an iteration takes up to 18 trial displacements, in parallel; each has some factorisations of a sparse system
-/// over the vertices near the intersections. There are up to 14 other attempts, and those on
+/// over the vertices near the intersections. There are up to 13 other attempts, and those on
 /// coarser meshes.
 ///
 /// # Errors

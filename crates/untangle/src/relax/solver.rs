@@ -5,9 +5,7 @@ use std::ops::ControlFlow;
 use nalgebra::Point3;
 
 use super::{
-    alternatives::{
-        CleanEnd, are_allowed, end_from_coarser, is_far, is_strained, take, take_if_less, take_least, take_led_back,
-    },
+    alternatives::{CleanEnd, are_allowed, end_from_coarser, is_far, take, take_least, take_led_back},
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
@@ -76,26 +74,14 @@ fn solve_level(
     let mut interrupted = end == End::Interrupted;
     if !relaxer.history.is_empty() && !interrupted {
         interrupted = settle(&mut relaxer, progress)?;
-        if !interrupted && end == End::Clean && !is_taken && are_allowed(&relaxer, largest) {
-            compete(level, &mut relaxer, largest)?;
+        let is_to_compete = end == End::Clean && !is_taken && are_allowed(&relaxer, largest);
+        if !interrupted && is_to_compete && is_far(&relaxer, largest) {
+            take_least(&mut relaxer, largest, true)?;
             interrupted = should_stop();
         }
     }
     let positions = relaxer.frame.positions().to_vec();
     Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
-}
-
-/// Other attempts, where the present state, a clean one, leaves much to be gained.
-fn compete(level: Level, relaxer: &mut Relaxer<'_>, largest: Largest) -> Result<(), RelaxError> {
-    if is_far(relaxer, largest) {
-        take_least(relaxer, largest, true)?;
-    } else if level == Level::Given
-        && is_strained(relaxer)
-        && let Some(end) = end_by_coarser(relaxer, largest)?
-    {
-        take_if_less(relaxer, end)?;
-    }
-    Ok(())
 }
 
 /// The end that coarser meshes lead to: of several levels that begin from the coarsest, the coarsest first, the first

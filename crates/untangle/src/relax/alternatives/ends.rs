@@ -17,11 +17,6 @@ const SMALL_STRAIN: f64 = 0.095;
 /// Nor are faces that keep this part of their area.
 const LARGE_AREA: f64 = 0.5;
 
-/// An end that strains an edge by more than this logarithm, of a fifth, or leaves a face less than this part of its
-/// area, is strained.
-const LARGE_STRAIN: f64 = 0.182;
-const SMALL_AREA: f64 = 0.4;
-
 /// The limits of the descent: a factor of 1.5, and a quarter of the area.
 const MAX_STRAIN: f64 = 0.406;
 const MIN_AREA: f64 = 0.25;
@@ -56,10 +51,6 @@ impl CleanEnd {
     /// The mean displacement as a part of the diagonal.
     pub(in crate::relax) fn mean(&self) -> f64 {
         self.mean
-    }
-
-    pub(super) fn is_strained(&self) -> bool {
-        self.strain > LARGE_STRAIN || self.least_area < SMALL_AREA
     }
 
     /// Whether an edge or a face is beyond the limits of the descent.

@@ -52,11 +52,6 @@ pub(super) fn is_far(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
     !is_straightened(relaxer) && mean_displacement(relaxer) > near(largest)
 }
 
-/// Whether the present state, a clean one, strains an edge or a face so much that another may strain it less.
-pub(super) fn is_strained(relaxer: &Relaxer<'_>) -> bool {
-    !is_straightened(relaxer) && CleanEnd::of(relaxer).is_strained()
-}
-
 fn is_straightened(relaxer: &Relaxer<'_>) -> bool {
     relaxer.history.iter().any(|step| step.method == Method::Flatten)
 }
@@ -88,20 +83,6 @@ pub(super) fn take_led_back(relaxer: &mut Relaxer<'_>, largest: Largest, end: Cl
     take(relaxer, end.clone())?;
     if !end.is_near() || end.is_beyond_limits() {
         take_nearest(relaxer, largest, vec![end])?;
-    }
-    Ok(())
-}
-
-/// Goes over to an end where it costs less than the present state, a clean one, and moves and strains no more.
-pub(super) fn take_if_less(relaxer: &mut Relaxer<'_>, end: CleanEnd) -> Result<(), RelaxError> {
-    let first = CleanEnd::of(relaxer);
-    if end.is_no_loss_beside(&first) {
-        let ends = vec![first, end];
-        if let Some(measure) = Measure::of(relaxer, &ends)
-            && let Some((end, _)) = least(relaxer, &measure, ends)
-        {
-            take(relaxer, end)?;
-        }
     }
     Ok(())
 }
