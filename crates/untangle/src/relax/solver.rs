@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use nalgebra::Point3;
 
 use super::{
-    alternatives::{CleanEnd, are_allowed, end_from_coarser, is_far, take, take_least, take_led_back},
+    alternatives::{CleanEnd, are_allowed, end_from_coarser, is_far, is_near, take, take_least, take_led_back},
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
@@ -90,7 +90,7 @@ fn end_by_coarser(relaxer: &Relaxer<'_>, largest: Largest) -> Result<Option<Clea
     let mut least: Option<CleanEnd> = None;
     for num_below in (0..MAX_LEVELS).rev() {
         if let Some(end) = end_from_level(relaxer, largest, num_below)? {
-            if end.is_near() {
+            if is_near(&end) {
                 return Ok(Some(end));
             }
             least = Some(end).into_iter().chain(least).min_by(|a, b| a.mean().total_cmp(&b.mean()));
@@ -148,9 +148,9 @@ fn attempts(
     }
     let tangle = total(&relaxer.now).merit();
     let end = attempt(relaxer, largest.num_edge_face, DescentVariant::FIRST, best, progress)?;
-    if end == End::Stuck && are_allowed(relaxer, largest) {
+    if end == End::Stuck && best.merit < FAR_LESS * tangle && are_allowed(relaxer, largest) {
         relaxer.set_frame(&best.positions)?;
-        if best.merit < FAR_LESS * tangle && take_least(relaxer, largest, false)? {
+        if take_least(relaxer, largest, false)? {
             return Ok((keep(relaxer, best), true));
         }
     }

@@ -36,7 +36,7 @@ const NEAR_OF_LARGE: f64 = 0.02;
 const CLEARLY_LESS: f64 = 0.99;
 /// The parts of the way to the best end from which attempts begin again.
 const PARTS: [f64; 3] = [0.5, 0.75, 0.9];
-/// How often that is done, as long as each time takes away so much of what it costs; with large tangles once.
+/// How often that is done, as long as each time takes away so much of what it costs.
 const MAX_ROUNDS: usize = 3;
 const MIN_GAIN: f64 = 0.05;
 
@@ -49,22 +49,14 @@ pub(super) fn are_allowed(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
 
 /// Whether the present state, a clean one, is far from the input. Where that took straightening, no motion is short.
 pub(super) fn is_far(relaxer: &Relaxer<'_>, largest: Largest) -> bool {
-    !is_straightened(relaxer) && mean_displacement(relaxer) > near(largest)
+    let near = if largest.is_large() { NEAR_OF_LARGE } else { NEAR };
+    let is_straightened = relaxer.history.iter().any(|step| step.method == Method::Flatten);
+    !is_straightened && mean_displacement(relaxer) > near
 }
 
-fn is_straightened(relaxer: &Relaxer<'_>) -> bool {
-    relaxer.history.iter().any(|step| step.method == Method::Flatten)
-}
-
-impl CleanEnd {
-    /// Whether it is near the input beside what straightening leaves.
-    pub(in crate::relax) fn is_near(&self) -> bool {
-        self.mean() <= NEAR_OF_LARGE
-    }
-}
-
-fn near(largest: Largest) -> f64 {
-    if largest.is_large() { NEAR_OF_LARGE } else { NEAR }
+/// Whether an end is near the input beside what straightening leaves.
+pub(super) fn is_near(end: &CleanEnd) -> bool {
+    end.mean() <= NEAR_OF_LARGE
 }
 
 /// Where the first descent ends from where a coarser mesh came apart; nothing where that is not clean.
@@ -80,11 +72,10 @@ pub(super) fn end_from_coarser(
 
 /// Goes over to an end, led back where it is far from the input, or strains an edge or a face beyond the limits.
 pub(super) fn take_led_back(relaxer: &mut Relaxer<'_>, largest: Largest, end: CleanEnd) -> Result<(), RelaxError> {
-    take(relaxer, end.clone())?;
-    if !end.is_near() || end.is_beyond_limits() {
-        take_nearest(relaxer, largest, vec![end])?;
+    if is_near(&end) && !end.is_beyond_limits() {
+        return take(relaxer, end);
     }
-    Ok(())
+    take_nearest(relaxer, largest, vec![end]).map(|_| ())
 }
 
 /// Makes the other attempts, side by side, and goes over to the end that costs least; `is_clean` says whether the
@@ -129,8 +120,7 @@ fn nearest(
     measure: &Measure,
     (mut end, mut cost): (CleanEnd, f64),
 ) -> Result<CleanEnd, RelaxError> {
-    let max_rounds = if largest.is_large() { 1 } else { MAX_ROUNDS };
-    for _ in 0..max_rounds {
+    for _ in 0..MAX_ROUNDS {
         let before = cost;
         let nearer = ends(relaxer, largest, &PARTS.map(|part| Way::Part(&end, part)))?;
         let nearer: Vec<CleanEnd> = nearer.into_iter().filter(|nearer| nearer.is_no_loss_beside(&end)).collect();

@@ -44,14 +44,19 @@ impl Way<'_> {
         let mut relaxer = Relaxer::new(mesh, &input, settings, *should_stop)?;
         relaxer.first_islands = first.first_islands.clone();
         let mut start = rest.positions().to_vec();
+        // What stays keeps its bits, also where single precision does not have them.
+        let moved = |at: &mut Point3<f64>, to: Point3<f64>| {
+            if to != *at {
+                *at = stored(to, settings.single_precision);
+            }
+        };
         match self {
             Self::Part(end, part) => {
-                start.iter_mut().zip(&end.positions).for_each(|(at, end)| *at += (end - *at) * part)
+                start.iter_mut().zip(&end.positions).for_each(|(at, end)| moved(at, *at + (end - *at) * part));
             }
-            Self::Coarser(state) => start.copy_from_slice(state),
+            Self::Coarser(state) => start.iter_mut().zip(state).for_each(|(at, to)| moved(at, *to)),
             Self::Trials(_) | Self::Descent(_) => {}
         }
-        start.iter_mut().for_each(|at| *at = stored(*at, settings.single_precision));
         relaxer.set_frame(&start)?;
         let mut progress = |_: &Iteration| ControlFlow::Continue(());
         let mut best = BestState { merit: f64::INFINITY, positions: start };

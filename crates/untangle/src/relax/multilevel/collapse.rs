@@ -1,10 +1,7 @@
 //! A triangulation that gets coarser by half-edge collapses, the shortest edge first (Hoppe et al. 1993): a vertex is
 //! moved into a neighbour, and all others stay where they are.
 
-use std::{
-    cmp::{Ordering, Reverse},
-    collections::BinaryHeap,
-};
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 use nalgebra::{Point3, Vector3};
 
@@ -18,26 +15,8 @@ const MIN_QUALITY: f64 = 0.4;
 /// Boundary vertices where the boundary turns by an angle with a smaller cosine are corners, and stay.
 const MIN_BOUNDARY_COSINE: f64 = 0.7;
 
-/// An edge, to be collapsed in the order of lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Candidate {
-    length_squared_m2: f64,
-    ends: [u32; 2],
-}
-
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.length_squared_m2.total_cmp(&other.length_squared_m2).then(self.ends.cmp(&other.ends))
-    }
-}
+/// An edge, by its squared length and its vertices: of numbers that are not negative the bits are in their order.
+type Candidate = (u64, [u32; 2]);
 
 /// A triangulation that gets coarser.
 pub(super) struct Collapser<'a> {
@@ -81,7 +60,7 @@ impl<'a> Collapser<'a> {
     /// Cost: O(n log n).
     pub(super) fn remove(&mut self, num_vertices: usize) -> Vec<RemovedVertex> {
         while self.removed.len() < num_vertices
-            && let Some(Reverse(Candidate { ends: [a, b], .. })) = self.candidates.pop()
+            && let Some(Reverse((_, [a, b]))) = self.candidates.pop()
         {
             if !self.collapse(a, b) {
                 self.collapse(b, a);
@@ -98,7 +77,7 @@ impl<'a> Collapser<'a> {
 
     fn offer(&mut self, [a, b]: [u32; 2]) {
         let length_squared_m2 = (self.position(a) - self.position(b)).norm_squared();
-        self.candidates.push(Reverse(Candidate { length_squared_m2, ends: [a.min(b), a.max(b)] }));
+        self.candidates.push(Reverse((length_squared_m2.to_bits(), [a.min(b), a.max(b)])));
     }
 
     fn position(&self, vertex: u32) -> Point3<f64> {

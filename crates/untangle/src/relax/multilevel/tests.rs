@@ -39,10 +39,9 @@ fn topology(mesh: &Mesh) -> (i64, usize, usize) {
 }
 
 /// The least quality of a face, 1 for an equilateral one.
-fn least_quality(coarser: &CoarserMesh) -> f64 {
-    let at = points(&coarser.positions);
-    let qualities = coarser.mesh.face_ids().map(|face| {
-        let [a, b, c] = coarser.mesh.face(face).map(|corner| at[corner.index()]);
+fn least_quality(mesh: &Mesh, at: &[Point3<f64>]) -> f64 {
+    let qualities = mesh.face_ids().map(|face| {
+        let [a, b, c] = mesh.face(face).map(|corner| at[corner.index()]);
         let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
         12f64.sqrt() * (b - a).cross(&(c - a)).norm() / sides
     });
@@ -56,10 +55,13 @@ fn coarser_mesh_is_the_same_surface_with_half_of_the_vertices() {
         let coarser = CoarserMesh::of(&mesh, frame.positions()).unwrap();
         assert_eq!(topology(&coarser.mesh), topology(&mesh));
         let num_vertices = coarser.mesh.num_vertices();
-        println!("{num_vertices} of {}, quality {}", mesh.num_vertices(), least_quality(&coarser));
+        let [before, after] = [(&mesh, frame.positions()), (&coarser.mesh, &points(&coarser.positions))]
+            .map(|(mesh, at)| least_quality(mesh, at));
+        println!("{num_vertices} of {}, quality {before} and {after}", mesh.num_vertices());
         assert_eq!(num_vertices, mesh.num_vertices() / 2);
         assert!(coarser.mesh.edge_ids().all(|edge| coarser.mesh.edge_faces(edge).len() <= 2));
-        assert!(least_quality(&coarser) > 0.3);
+        // Good faces stay so, and others get no worse.
+        assert!(after >= before.min(0.4));
     }
 }
 
