@@ -43,6 +43,14 @@ enum Level {
     },
 }
 
+impl Level {
+    /// Whether more is tried than an attempt and others beside it: on the given mesh, and on the coarsest of a chain,
+    /// where it costs little.
+    fn is_to_be_planned(self) -> bool {
+        matches!(self, Self::Given | Self::Coarser { num_below: 0 })
+    }
+}
+
 /// The best state that is found from an input, its shape recovered.
 pub(super) fn solve(
     mesh: &Mesh,
@@ -67,8 +75,8 @@ fn solve_level(
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
     let (mut end, mut is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
-    if end == End::Stuck && level == Level::Given {
-        (end, is_taken) = run_plans(&mut relaxer, largest, &mut best, progress)?;
+    if end == End::Stuck && level.is_to_be_planned() {
+        (end, is_taken) = run_plans(level, &mut relaxer, largest, &mut best, progress)?;
     }
     relaxer.set_frame(&best.positions)?;
     let mut interrupted = end == End::Interrupted;
@@ -148,7 +156,8 @@ fn attempts(
     }
     let tangle = total(&relaxer.now).merit();
     let end = attempt(relaxer, largest.num_edge_face, DescentVariant::FIRST, best, progress)?;
-    if end == End::Stuck && best.merit < FAR_LESS * tangle && are_allowed(relaxer, largest) {
+    let is_promising = level != Level::Given || best.merit < FAR_LESS * tangle;
+    if end == End::Stuck && is_promising && are_allowed(relaxer, largest) {
         relaxer.set_frame(&best.positions)?;
         if take_least(relaxer, largest, false)? {
             return Ok((keep(relaxer, best), true));
@@ -166,6 +175,7 @@ fn keep(relaxer: &Relaxer<'_>, best: &mut BestState) -> End {
 /// One plan from the input after the other, until one does not end stuck, and coarser meshes before anything is
 /// flattened. How the last one ended, and whether that was of coarser meshes.
 fn run_plans(
+    level: Level,
     relaxer: &mut Relaxer<'_>,
     largest: Largest,
     best: &mut BestState,
@@ -184,6 +194,7 @@ fn run_plans(
                 let stall = StallCriterion::with(largest.num_edge_face, pace);
                 resolve(relaxer, objective, pace, stall, best, progress)?
             }
+            Plan::Flatten if level != Level::Given => End::Stuck,
             Plan::Flatten => {
                 if are_allowed(relaxer, largest)
                     && !largest.has_many_paths()

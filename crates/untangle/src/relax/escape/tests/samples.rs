@@ -66,6 +66,17 @@ impl Pieces {
         pieces
     }
 
+    /// A folded sheet of which the two layers cross each other as a pair of scissors does, from the fold to the
+    /// boundary, and lie up to twice `depth_m` behind each other.
+    pub(in crate::relax) fn scissors(squares: u32, depth_m: f64) -> Self {
+        let mut pieces = Self::default();
+        pieces.add([squares, squares], false, |u, v| {
+            let [u, v] = [1.6 * u - 0.793, 1.6 * v - 0.807];
+            [u * u, v, depth_m * v * (u / 0.2).tanh()]
+        });
+        pieces
+    }
+
     pub(in crate::relax) fn mesh(&self) -> (Mesh, Frame) {
         let description =
             MeshDescription { num_vertices: self.positions.len(), faces: self.faces.clone(), ..Default::default() };
