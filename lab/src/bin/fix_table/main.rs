@@ -4,7 +4,8 @@
 //! ```sh
 //! cargo run --release -p untangled-lab --bin fix_table -- [--quality fast|balanced|accurate] [--most N] [--seconds S]
 //! [--one-attempt] [--subdivide N] [--motions N] [--perturb N] [--no-uvs] [--curve] [--watch]
-//! [--crumple SQUARES [--frequency F] [--seed N]] [--knots AROUND [--overlap PART]] FILE...
+//! [--crumple SQUARES [--frequency F] [--seed N]] [--knots AROUND [--overlap PART]] [--scissors SQUARES]
+//! FILE...
 //! ```
 //!
 //! Columns: faces; edge-face intersections before and after; iterations; mean and largest displacement in percent of
@@ -16,9 +17,9 @@
 //! and scale. `--perturb N` takes it N times more, each vertex moved by up to 1e-12 of the diagonal and every other
 //! time under other names of vertices and faces, and prints the least, the median and the greatest value of each
 //! column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods, `--knots N` takes ten
-//! knotted tubes of N vertices around, thicker by a part than there is room for. `--seconds` ends a mesh after so much
-//! processor time; `--curve` prints the intersections after each iteration, `--watch` does so on standard error while
-//! it works.
+//! knotted tubes of N vertices around, thicker by a part than there is room for, `--scissors N` three folded sheets of
+//! N x N squares of which the layers cross each other. `--seconds` ends a mesh after so much processor time; `--curve`
+//! prints the intersections after each iteration, `--watch` does so on standard error while it works.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod change;
@@ -29,7 +30,7 @@ mod summary;
 
 use std::{env, error::Error};
 
-use meshes::{Shape, crumple, knots, motion, perturbed, read, subdivide};
+use meshes::{Shape, crumple, knots, motion, perturbed, read, scissors, subdivide};
 use options::Options;
 use row::Row;
 use summary::{print_spread, print_summary};
@@ -45,6 +46,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for &around in &options.knots {
         for (name, shape) in knots(around, options.overlap) {
             rows.extend(rows_of(name, shape, &options));
+        }
+    }
+    for &squares in &options.scissors {
+        for (name, shape) in scissors(squares) {
+            rows.extend(rows_of(&name, shape, &options));
         }
     }
     for file in &options.files {

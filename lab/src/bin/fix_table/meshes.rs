@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use untangle::mesh::{Mesh, MeshDescription, Uvs};
 use untangled_mesh_io::{concatenate, read_mesh};
-use untangled_testkit::generate::{knots::KNOTS, waves::deeply_crumpled};
+use untangled_testkit::generate::{Sheet, knots::KNOTS, waves::deeply_crumpled};
 
 /// How far [`perturbed`] moves a vertex in each direction, as a part of the diagonal of the bounding box.
 const PERTURBATION: f64 = 1e-12;
@@ -53,6 +53,15 @@ pub(crate) fn knots(around: u32, overlap: f64) -> impl Iterator<Item = (&'static
     KNOTS.into_iter().map(move |(name, knot)| {
         let (faces, positions) = knot.tube(around, overlap);
         (name, (MeshDescription { num_vertices: positions.len(), faces, ..Default::default() }, positions))
+    })
+}
+
+/// Folded sheets of `squares` by `squares`, of which the two layers cross each other as a pair of scissors does, from
+/// the fold to the boundary, with three slopes beside each other.
+pub(crate) fn scissors(squares: u32) -> impl Iterator<Item = (String, Shape)> {
+    [0.5, 1.0, 2.0].into_iter().map(move |slope| {
+        let sheet = Sheet::fold([-0.793, 0.807], [squares, squares], |_, v| slope * (v - 0.504));
+        (format!("scissors {squares}, slope {slope}"), (sheet.bare_description(), sheet.positions))
     })
 }
 

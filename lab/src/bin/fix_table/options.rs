@@ -20,6 +20,7 @@ pub(crate) struct Options {
     pub(crate) seed: u64,
     pub(crate) knots: Vec<u32>,
     pub(crate) overlap: f64,
+    pub(crate) scissors: Vec<u32>,
 }
 
 impl Options {
@@ -36,6 +37,7 @@ impl Options {
             seed: 1,
             knots: Vec::new(),
             overlap: 0.2,
+            scissors: Vec::new(),
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
@@ -52,6 +54,7 @@ impl Options {
                 "--seed" => options.seed = value()?.parse()?,
                 "--knots" => options.knots.push(value()?.parse()?),
                 "--overlap" => options.overlap = value()?.parse()?,
+                "--scissors" => options.scissors.push(value()?.parse()?),
                 "--one-attempt" => options.run.settings.other_attempts = false,
                 "--curve" => options.run.curve = true,
                 "--watch" => options.run.watch = true,
