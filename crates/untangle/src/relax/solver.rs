@@ -137,8 +137,9 @@ fn state_of_coarser(relaxer: &Relaxer<'_>, num_below: usize) -> Result<Option<Ve
     Ok(helps.then(|| coarser.prolonged(rest.positions(), &found.positions)))
 }
 
-/// The first attempt, and the others where that leaves little. How it ended, and whether other ends were looked at. A
-/// coarser mesh begins from one that is coarser still.
+/// The first attempt, and the others where that leaves little, or on the coarsest mesh of a chain, where they cost
+/// little. How it ended, and whether other ends were looked at. A coarser mesh that is not the coarsest begins from the
+/// one below it, and has no others.
 fn attempts(
     level: Level,
     relaxer: &mut Relaxer<'_>,
