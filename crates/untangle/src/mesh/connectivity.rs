@@ -275,6 +275,11 @@ impl Mesh {
         self.layers.as_deref()
     }
 
+    /// The same mesh with another layer of each vertex, of which it is open what is outwards. Cost: that of a copy.
+    pub(crate) fn with_layers(&self, layers: Vec<u32>) -> Self {
+        Self { layers: Some(layers), outwards: None, ..self.clone() }
+    }
+
     /// For each face whether its normal points outwards of its layer, where that was decided for good; see
     /// [`Layers::decide`](crate::sides::Layers::decide).
     #[must_use]

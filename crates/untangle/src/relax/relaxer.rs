@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::{
     constraints::StrainLimits,
     energy::{ArapEnergy, Domain, RestShape},
-    outcome::{Iteration, Method, RelaxError},
+    outcome::{End, Iteration, Method, RelaxError, Solution},
+    plan::Largest,
     settings::{RelaxSettings, ShouldStop, StopObserver},
     sides::SideTracker,
     step::{
@@ -88,6 +89,12 @@ impl<'a> Relaxer<'a> {
             edge_length_m: 0.0,
             history: Vec::new(),
         })
+    }
+
+    /// The present state, and how the last plan ended.
+    pub(super) fn into_solution(self, end: End, largest: Largest, interrupted: bool) -> Solution {
+        let positions = self.frame.positions().to_vec();
+        Solution { positions, history: self.history, end, is_crowded: largest.is_crowded(), interrupted }
     }
 
     pub(super) fn is_exhausted(&self) -> bool {

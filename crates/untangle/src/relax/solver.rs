@@ -5,7 +5,10 @@ use std::ops::ControlFlow;
 use nalgebra::Point3;
 
 use super::{
-    alternatives::{CleanEnd, are_allowed, end_from_coarser, is_far, is_near, take, take_least, take_led_back},
+    alternatives::{
+        CleanEnd, are_allowed, end_from_coarser, end_in_implied_order, is_far, is_near, take, take_if_nearer,
+        take_least, take_led_back,
+    },
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
@@ -74,6 +77,11 @@ fn solve_level(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
+    let mut layered = if level == Level::Given { end_in_implied_order(&relaxer, largest)? } else { None };
+    if let Some(layered) = layered.take_if(|layered| layered.is_enough()) {
+        take(&mut relaxer, layered.end)?;
+        return Ok(relaxer.into_solution(End::Clean, largest, false));
+    }
     let (mut end, mut is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck && level.is_to_be_planned() {
         (end, is_taken) = run_plans(level, &mut relaxer, largest, &mut best, progress)?;
@@ -88,8 +96,12 @@ fn solve_level(
             interrupted = should_stop();
         }
     }
-    let positions = relaxer.frame.positions().to_vec();
-    Ok(Solution { positions, history: relaxer.history, end, is_crowded: largest.is_crowded(), interrupted })
+    if let Some(layered) = layered
+        && take_if_nearer(&mut relaxer, layered, end == End::Clean)?
+    {
+        end = End::Clean;
+    }
+    Ok(relaxer.into_solution(end, largest, interrupted))
 }
 
 /// The end that coarser meshes lead to: of several levels that begin from the coarsest, the coarsest first, the first

@@ -4,7 +4,7 @@
 //! ```sh
 //! cargo run --release -p untangled-lab --bin fix_table -- [--quality fast|balanced|accurate] [--most N] [--seconds S]
 //! [--one-attempt] [--subdivide N] [--motions N] [--perturb N] [--no-uvs] [--curve] [--watch]
-//! [--crumple SQUARES [--frequency F] [--seed N]] [--knots AROUND [--overlap PART]] [--scissors SQUARES]
+//! [--crumple SQUARES [--frequency F] [--seed N]] [--knots AROUND [--overlap PART]] [--scissors SQUARES] [--over]
 //! FILE...
 //! ```
 //!
@@ -18,11 +18,13 @@
 //! time under other names of vertices and faces, and prints the least, the median and the greatest value of each
 //! column. `--crumple N` takes a sheet of N x N squares under random waves of up to F periods, `--knots N` takes ten
 //! knotted tubes of N vertices around, thicker by a part than there is room for, `--scissors N` three folded sheets of
-//! N x N squares of which the layers cross each other. `--seconds` ends a mesh after so much processor time; `--curve`
+//! N x N squares of which the layers cross each other, `--over` each file with a copy over it that lies too far in by
+//! places, in four ways. `--seconds` ends a mesh after so much processor time; `--curve`
 //! prints the intersections after each iteration, `--watch` does so on standard error while it works.
 #![allow(clippy::print_stdout, reason = "prints a table")]
 
 mod change;
+mod garments;
 mod meshes;
 mod options;
 mod row;
@@ -30,6 +32,7 @@ mod summary;
 
 use std::{env, error::Error};
 
+use garments::worn_over;
 use meshes::{Shape, crumple, knots, motion, perturbed, read, scissors, subdivide};
 use options::Options;
 use row::Row;
@@ -56,6 +59,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for file in &options.files {
         let name = file.rsplit('/').next().unwrap_or(file).trim_end_matches(".obj");
         match read(file) {
+            Ok(shape) if options.over => {
+                for (offset, shape) in worn_over(&shape) {
+                    rows.extend(rows_of(&format!("{name} {offset}"), shape, &options));
+                }
+            }
             Ok(shape) => rows.extend(rows_of(name, shape, &options)),
             Err(error) => println!("{name:<32} {error}"),
         }

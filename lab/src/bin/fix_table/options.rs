@@ -21,6 +21,8 @@ pub(crate) struct Options {
     pub(crate) knots: Vec<u32>,
     pub(crate) overlap: f64,
     pub(crate) scissors: Vec<u32>,
+    /// Whether each file is taken with a second one over it.
+    pub(crate) over: bool,
 }
 
 impl Options {
@@ -38,6 +40,7 @@ impl Options {
             knots: Vec::new(),
             overlap: 0.2,
             scissors: Vec::new(),
+            over: false,
         };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
@@ -55,6 +58,7 @@ impl Options {
                 "--knots" => options.knots.push(value()?.parse()?),
                 "--overlap" => options.overlap = value()?.parse()?,
                 "--scissors" => options.scissors.push(value()?.parse()?),
+                "--over" => options.over = true,
                 "--one-attempt" => options.run.settings.other_attempts = false,
                 "--curve" => options.run.curve = true,
                 "--watch" => options.run.watch = true,

@@ -5,6 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::{
     geometry::mean_edge_length,
     relax::{
+        constraints::ShapeLimits,
         energy::Domain,
         outcome::Iteration,
         relaxer::Relaxer,
@@ -17,9 +18,8 @@ const SMALL_STRAIN: f64 = 0.095;
 /// Nor are faces that keep this part of their area.
 const LARGE_AREA: f64 = 0.5;
 
-/// The limits of the descent: a factor of 1.5, and a quarter of the area.
-const MAX_STRAIN: f64 = 0.406;
-const MIN_AREA: f64 = 0.25;
+/// What is within the limits is so up to this strain of rounding.
+const ROUNDING: f64 = 1e-3;
 
 /// A clean end of an attempt, its shape recovered.
 #[derive(Clone)]
@@ -55,7 +55,8 @@ impl CleanEnd {
 
     /// Whether an edge or a face is beyond the limits of the descent.
     pub(super) fn is_beyond_limits(&self) -> bool {
-        self.strain > MAX_STRAIN || self.least_area < MIN_AREA
+        let ShapeLimits { max_stretch, min_area } = ShapeLimits::DESCENT;
+        self.strain > libm::log(max_stretch) + ROUNDING || self.least_area < min_area
     }
 
     /// Whether it moves no more than another one, on the average and where it is farthest, and strains no edge and no

@@ -5,16 +5,19 @@ use std::ops::ControlFlow;
 use nalgebra::Point3;
 
 use super::ends::CleanEnd;
-use crate::relax::{
-    attempt::attempt,
-    constraints::Objective,
-    escape::DescentVariant,
-    outcome::{BestState, End, Iteration, RelaxError},
-    plan::{Largest, Pace, StallCriterion},
-    relaxer::Relaxer,
-    resolve::resolve,
-    settle::settle,
-    step::stored,
+use crate::{
+    mesh::Mesh,
+    relax::{
+        attempt::attempt,
+        constraints::Objective,
+        escape::DescentVariant,
+        outcome::{BestState, End, Iteration, RelaxError},
+        plan::{Largest, Pace, StallCriterion},
+        relaxer::Relaxer,
+        resolve::resolve,
+        settle::settle,
+        step::stored,
+    },
 };
 
 /// How another attempt goes.
@@ -28,6 +31,8 @@ pub(super) enum Way<'a> {
     Part(&'a CleanEnd, f64),
     /// The first descent, from where a coarser mesh came apart.
     Coarser(&'a [Point3<f64>]),
+    /// The first descent from the input, of the same mesh with layers.
+    Layered(&'a Mesh),
 }
 
 impl Way<'_> {
@@ -39,7 +44,8 @@ impl Way<'_> {
     ///
     /// Cost: that of an attempt and of shape recovery.
     pub(super) fn end(self, first: &Relaxer<'_>, largest: Largest) -> Result<Option<CleanEnd>, RelaxError> {
-        let Relaxer { mesh, settings, should_stop, rest, .. } = first;
+        let Relaxer { settings, should_stop, rest, .. } = first;
+        let mesh = if let Self::Layered(mesh) = self { mesh } else { first.mesh };
         let input: Vec<[f64; 3]> = rest.positions().iter().map(|&at| at.into()).collect();
         let mut relaxer = Relaxer::new(mesh, &input, settings, *should_stop)?;
         relaxer.first_islands = first.first_islands.clone();
@@ -55,7 +61,7 @@ impl Way<'_> {
                 start.iter_mut().zip(&end.positions).for_each(|(at, end)| moved(at, *at + (end - *at) * part));
             }
             Self::Coarser(state) => start.iter_mut().zip(state).for_each(|(at, to)| moved(at, *to)),
-            Self::Trials(_) | Self::Descent(_) => {}
+            Self::Trials(_) | Self::Descent(_) | Self::Layered(_) => {}
         }
         relaxer.set_frame(&start)?;
         let mut progress = |_: &Iteration| ControlFlow::Continue(());
@@ -67,7 +73,7 @@ impl Way<'_> {
                 resolve(&mut relaxer, objective, Pace::Usual, stall, &mut best, &mut progress)?
             }
             Self::Descent(variant) => attempt(&mut relaxer, num_edge_face, variant, &mut best, &mut progress)?,
-            Self::Part(..) | Self::Coarser(_) => {
+            Self::Part(..) | Self::Coarser(_) | Self::Layered(_) => {
                 attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, &mut progress)?
             }
         };

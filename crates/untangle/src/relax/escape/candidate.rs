@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
-    limits::LimitedStep,
+    limited_step::LimitedStep,
     motion::{Motion, Shadow, remaining_depth_m},
     rows::Rows,
     score::{Score, add_moved},

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{
     candidate::{Candidate, Context},
-    limits::LimitedStep,
+    limited_step::LimitedStep,
     motion::{ContourSegment, Motion, MotionFinder, Scene, contours},
     rows::Rows,
     score::{Score, add_moved},

@@ -6,14 +6,14 @@
 //! | `motion` | the shortest way in which the two sheets of a contour leave each other |
 //! | `rows` | the constraints of one iteration |
 //! | `variant` | descents that differ in how they go |
-//! | `limits` | strain that no step may go beyond |
+//! | `limited_step` | steps within the limits of strain |
 //! | `score` | how good a state is |
 //! | `candidate` | one displacement field, made within the limits and judged |
 //! | `descent` | the iterations |
 
 mod candidate;
 mod descent;
-mod limits;
+mod limited_step;
 mod motion;
 mod rows;
 mod score;
@@ -22,5 +22,4 @@ pub(super) mod tests;
 mod variant;
 
 pub(super) use descent::descend;
-pub(super) use limits::ShapeLimits;
 pub(super) use variant::DescentVariant;

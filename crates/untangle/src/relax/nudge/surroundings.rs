@@ -10,7 +10,7 @@ use crate::{
     geometry::mean_edge_length,
     intersect::do_intersect,
     mesh::{FaceId, Mesh, VertexId},
-    relax::{escape::ShapeLimits, relaxer::Relaxer, step::stored},
+    relax::{constraints::ShapeLimits, relaxer::Relaxer, step::stored},
 };
 
 /// Lengths of steps, in mean edge lengths of the vertex.

@@ -3,8 +3,8 @@
 //! Each step minimises the elastic energy against the shape of the input, with a weak pull of each vertex towards its
 //! place there, while primitives that are near each other keep a gap. Lengths of edges weigh far more than bending and
 //! shear, as they do in cloth. The step is short enough for the contacts that were found, it intersects nothing new,
-//! and it is taken only if the energy falls and no edge is strained beyond the limit of the descent, or more than the
-//! worst one before.
+//! takes no edge and no face beyond the limits of the descent, or farther beyond, and is taken only if the energy
+//! falls.
 //!
 //! | file | purpose |
 //! |---|---|
@@ -23,6 +23,7 @@ mod tests;
 use nalgebra::Point3;
 
 use super::{
+    constraints::ShapeLimits,
     outcome::{Method, RelaxError},
     relaxer::{Progress, Relaxer},
     step::{CollisionFreeStep, DisplacementSolver, SolverBudget, Start},
@@ -51,9 +52,6 @@ const GAP: f64 = 0.1;
 /// lengths, or surfaces nearly coincide.
 const MAX_CONTACTS: usize = 100;
 const MAX_HALVINGS: usize = 4;
-/// The worst edge may get worse up to this strain, the logarithm of the descent's limit of 1.5: with less, one edge
-/// stops all others.
-const MAX_STRAIN: f64 = 0.405;
 const BUDGET: SolverBudget = SolverBudget { newton_steps: 12, cg_steps: 100, penalty: 1e4 };
 
 /// Recovers the shape of the input round all vertices that moved, but those beside what is still tangled; then
@@ -148,7 +146,7 @@ impl Settling {
             target[vertex.index()] += displacement * part;
         }
         let mut positions = frame.positions().to_vec();
-        let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop);
+        let mut step = CollisionFreeStep::new(mesh, domain, relaxer.should_stop).within(rest, ShapeLimits::DESCENT);
         if !step.advance(&mut positions, &target, settings.single_precision, relaxer.sides.as_ref()) {
             return None;
         }
@@ -156,8 +154,7 @@ impl Settling {
             *before = energy.value(self.pull.stiffness, frame.positions());
         }
         let after = energy.value(self.pull.stiffness, &positions);
-        let strain = |positions: &[Point3<f64>]| largest_strain(relaxer, positions).max(MAX_STRAIN);
-        (after < *before && strain(&positions) <= strain(frame.positions())).then_some((positions, after))
+        (after < *before).then_some((positions, after))
     }
 
     /// Finds the contacts of the present state; gives back how far they were looked for. Nothing where there are too

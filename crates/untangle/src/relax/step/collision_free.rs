@@ -11,7 +11,12 @@ use crate::{
     frame::Frame,
     intersect::{EdgeFaceIntersection, Intersections, Intersector},
     mesh::{EdgeId, FaceId, Mesh, VertexId},
-    relax::{energy::Domain, settings::ShouldStop, sides::SideTracker},
+    relax::{
+        constraints::ShapeLimits,
+        energy::{Domain, RestShape},
+        settings::ShouldStop,
+        sides::SideTracker,
+    },
 };
 
 /// Backtracking of vertices whose faces or edges would intersect something.
@@ -28,6 +33,8 @@ pub(crate) struct CollisionFreeStep<'a> {
     mesh: &'a Mesh,
     domain: &'a Domain,
     should_stop: &'a ShouldStop<'a>,
+    /// What edges and faces may become beside the input, where that is limited.
+    limits: Option<(&'a RestShape, ShapeLimits)>,
     damping: Damping,
     holds: Vec<f64>,
     frame: Frame,
@@ -42,6 +49,7 @@ impl<'a> CollisionFreeStep<'a> {
             mesh,
             domain,
             should_stop,
+            limits: None,
             damping: Damping::default(),
             holds: vec![0.0; domain.vertices().len()],
             frame: Frame::default(),
@@ -51,9 +59,14 @@ impl<'a> CollisionFreeStep<'a> {
         }
     }
 
+    /// Steps that take no edge and no face beyond their limits, or farther beyond than they are.
+    pub(crate) fn within(self, rest: &'a RestShape, limits: ShapeLimits) -> Self {
+        Self { limits: Some((rest, limits)), ..self }
+    }
+
     /// Moves `positions`, one for each vertex of the mesh, to `target` where that intersects nothing and takes no
-    /// vertex into a body, and less far elsewhere. False if no step without intersections is left, or the work is to
-    /// stop. Cost: one search for intersections for each round of backtracking.
+    /// vertex into a body and nothing beyond its limits, and less far elsewhere. False if no such step is left, or the
+    /// work is to stop. Cost: one search for intersections for each round of backtracking.
     pub(crate) fn advance(
         &mut self,
         positions: &mut [Point3<f64>],
@@ -72,13 +85,7 @@ impl<'a> CollisionFreeStep<'a> {
             if (self.should_stop)() {
                 return false;
             }
-            self.step.clear();
-            self.step.extend_from_slice(positions);
-            for (local, vertex) in self.domain.vertices().iter().enumerate() {
-                let before = positions[vertex.index()];
-                let point = before + (target[vertex.index()] - before) * self.damping.factor(local);
-                self.step[vertex.index()] = stored(point, single_precision);
-            }
+            self.make(positions, target, single_precision);
             if self.frame.set(self.mesh, self.step.iter().map(|point| (*point).into())).is_err() {
                 return false;
             }
@@ -89,7 +96,9 @@ impl<'a> CollisionFreeStep<'a> {
                 left = self.intersections_of(positions);
             }
             self.found.edge_face.retain(|found| is_new(&left, found));
-            if entered.is_empty() && self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
+            let strained = self.strained(positions);
+            let is_free = entered.is_empty() && strained.is_empty();
+            if is_free && self.found.edge_face.iter().all(|found| !is_movable(self.mesh, found)) {
                 positions.copy_from_slice(&self.step);
                 self.update_holds();
                 return true;
@@ -99,10 +108,35 @@ impl<'a> CollisionFreeStep<'a> {
                 [a, b, c, d, e].into_iter().filter_map(|vertex| self.domain.local(vertex))
             });
             let entered = entered.iter().filter_map(|&vertex| self.domain.local(vertex));
-            self.damping.damp(self.mesh, self.domain, blocked.chain(entered), BACKTRACKING.factor(round));
+            self.damping.damp(
+                self.mesh,
+                self.domain,
+                blocked.chain(entered).chain(strained),
+                BACKTRACKING.factor(round),
+            );
         }
         self.update_holds();
         false
+    }
+
+    /// Puts the step, as far as damping lets it go, into `self.step`.
+    fn make(&mut self, positions: &[Point3<f64>], target: &[Point3<f64>], single_precision: bool) {
+        self.step.clear();
+        self.step.extend_from_slice(positions);
+        for (local, vertex) in self.domain.vertices().iter().enumerate() {
+            let before = positions[vertex.index()];
+            let point = before + (target[vertex.index()] - before) * self.damping.factor(local);
+            self.step[vertex.index()] = stored(point, single_precision);
+        }
+    }
+
+    /// The vertices of the domain with an edge or a face that the step takes beyond its limit.
+    fn strained(&self, positions: &[Point3<f64>]) -> Vec<usize> {
+        let Some((rest, limits)) = self.limits else { return Vec::new() };
+        let vertices = self.domain.vertices().iter().enumerate();
+        let strained =
+            vertices.filter(|(_, vertex)| limits.are_violated(self.mesh, rest, positions, &self.step, **vertex));
+        strained.map(|(local, _)| local).collect()
     }
 
     /// All pairs of an edge and a face that intersect in a state, in order; none where the numbers don't allow it.
@@ -136,4 +170,36 @@ impl<'a> CollisionFreeStep<'a> {
 /// Whether an intersection is none of those in a list.
 fn is_new(left: &[(EdgeId, FaceId)], found: &EdgeFaceIntersection) -> bool {
     left.binary_search(&(found.edge, found.face)).is_err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relax::escape::tests::samples::Pieces;
+
+    #[test]
+    fn what_would_be_overstretched_stops_near_its_limit_and_nothing_else_does() {
+        let pieces = Pieces::finger(16);
+        let (mesh, frame) = pieces.mesh();
+        let rest = RestShape::of(&mesh, &frame);
+        let mut domain = Domain::default();
+        domain.grow(&mesh, mesh.vertex_ids(), 0);
+        let half = pieces.positions.len() / 2;
+        // The two sheets, far from each other: one is to be three times as wide, the other one to rise.
+        let mut positions: Vec<Point3<f64>> = frame.positions().to_vec();
+        positions[half..].iter_mut().for_each(|at| at.z += 9.0);
+        let moved = |(vertex, at): (usize, &Point3<f64>)| {
+            if vertex < half { Point3::new(3.0 * at.x, at.y, at.z) } else { Point3::new(at.x, at.y, at.z + 0.1) }
+        };
+        let target: Vec<Point3<f64>> = positions.iter().enumerate().map(moved).collect();
+        let mut free = positions.clone();
+        assert!(CollisionFreeStep::new(&mesh, &domain, &|| false).advance(&mut free, &target, false, None));
+        assert_eq!(free, target);
+        let mut step = CollisionFreeStep::new(&mesh, &domain, &|| false).within(&rest, ShapeLimits::DESCENT);
+        let before = positions.clone();
+        assert!(step.advance(&mut positions, &target, false, None));
+        assert_eq!(positions[half..], target[half..]);
+        let is_violated = |vertex| ShapeLimits::DESCENT.are_violated(&mesh, &rest, &before, &positions, vertex);
+        assert!(!mesh.vertex_ids().any(is_violated));
+    }
 }

@@ -66,6 +66,20 @@ impl Pieces {
         pieces
     }
 
+    /// A sleeve within another one of the same radius, of which a third lies too far in: up to `depth_m` deep.
+    pub(in crate::relax) fn sleeves(squares: u32, depth_m: f64) -> Self {
+        let mut pieces = Self::default();
+        let tube = |u: f64, v: f64, radius_m: f64| {
+            [2.0 * v - 1.0, radius_m * (TAU * (u + 0.01)).cos(), radius_m * (TAU * u).sin()]
+        };
+        pieces.add([squares, squares], true, |u, v| tube(u, v, 0.4));
+        pieces.add([squares, squares], true, |u, v| {
+            let wave = (2.0 * TAU * u + 3.0 * v).sin() * (7.0 * v + TAU * u).cos();
+            tube(u + 0.003, 0.02 + 0.96 * v, 0.4 + depth_m * (0.3 + 1.3 * wave))
+        });
+        pieces
+    }
+
     /// A folded sheet of which the two layers cross each other as a pair of scissors does, from the fold to the
     /// boundary, and lie up to twice `depth_m` behind each other.
     pub(in crate::relax) fn scissors(squares: u32, depth_m: f64) -> Self {

@@ -8,31 +8,33 @@
 //!
 //! What is outwards is decided once, from the input or from rest positions, and goes on with the mesh
 //! ([`Layers::decide`]): a repair bends sheets, and a state of it must not turn round what the input said.
+//!
+//! | file | purpose |
+//! |---|---|
+//! | `outwards` | what is outwards of a piece |
+//! | `normals` | outward normals at points of a surface |
+//! | `order` | the order of pieces of which nobody says it: as most of each lies |
+
+mod normals;
+mod order;
+mod outwards;
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::{
-    Orientation, Sides, Way, WrongSide, body::cloth_vertices, direction, surface::Surface, winding::WindingTree,
-};
+use super::{Sides, Way, WrongSide, body::cloth_vertices, direction, surface::Surface};
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, VertexId},
 };
+use normals::OutwardNormals;
+pub(crate) use order::with_implied_layers;
+use outwards::outwards;
 
 /// Layers lie over each other within this part of the diagonal of the box round the inner one.
 const REACH: f64 = 0.1;
-/// Faces of a piece at which it is asked what is outwards, at most.
-const SAMPLES: usize = 256;
-/// A weight of a corner below this is none: the point lies on the opposite edge.
-const NONE: f64 = 1e-9;
-/// Votes that sum to less than this part of the area are none: the faces as given are.
-const UNDECIDED: f64 = 1e-3;
-/// A piece is a flat sheet if its area vectors sum to more than this part of its area: an arc of less than a quarter
-/// turn, a cap of less than 37 degrees to each side.
-const FLAT: f64 = 0.9;
 /// Cloth that is no thicker than this part of its extent lies in one plane.
 const PLANE: f64 = 1e-6;
 /// Coinciding points, as a part of the diagonal.
@@ -156,51 +158,19 @@ impl<'a> LayerState<'a> {
 
     /// The ways to all layers further in that a point of a layer lies over, and whether it is behind them.
     pub(crate) fn over(&self, at: Point3<f64>, number: u32) -> impl Iterator<Item = (Way, bool)> + '_ {
+        let normals = OutwardNormals { mesh: self.mesh, positions: self.positions, outwards: &self.layers.outwards };
         let inner = self.layers.layers.iter().zip(&self.surfaces).take_while(move |(layer, _)| layer.number < number);
         inner.filter_map(move |(layer, surface)| {
             let place = surface.as_ref()?.closest(at, |_| true)?;
             let to_surface = place.point - at;
             let depth_m = to_surface.norm();
             let face = layer.faces[place.triangle];
-            let normal = (depth_m <= layer.reach_m).then(|| self.normal(face, place.barycentric)).flatten()?;
+            let normal = (depth_m <= layer.reach_m).then(|| normals.normal(face, place.barycentric)).flatten()?;
             let is_behind = to_surface.dot(&normal) > 0.0;
             let outwards = if is_behind { to_surface } else { -to_surface };
             let direction = direction(outwards, TINY * layer.reach_m / REACH, normal);
             Some((Way { face, barycentric: place.barycentric, depth_m, direction }, is_behind))
         })
-    }
-
-    /// The outward pseudonormal at a point of a face; nothing on the boundary.
-    fn normal(&self, face: FaceId, weights: [f64; 3]) -> Option<Vector3<f64>> {
-        let (mesh, corners) = (self.mesh, self.mesh.face(face));
-        let used: Vec<VertexId> = (0..3).filter(|&k| weights[k] > NONE).map(|k| corners[k]).collect();
-        let sum: Vector3<f64> = match *used {
-            [vertex] if mesh.is_boundary_vertex(vertex) => return None,
-            [vertex] => mesh.vertex_faces(vertex).iter().map(|&face| self.unit(face) * self.angle(face, vertex)).sum(),
-            [a, b] => {
-                let edge = mesh.edge_between(a, b)?;
-                if mesh.is_boundary_edge(edge) {
-                    return None;
-                }
-                mesh.edge_faces(edge).iter().map(|&face| self.unit(face)).sum()
-            }
-            _ => self.unit(face),
-        };
-        sum.try_normalize(1e-12)
-    }
-
-    fn unit(&self, face: FaceId) -> Vector3<f64> {
-        let [a, b, c] = self.mesh.face(face).map(|vertex| self.positions[vertex.index()]);
-        let unit = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-        if self.layers.outwards[face.index()] { unit } else { -unit }
-    }
-
-    fn angle(&self, face: FaceId, vertex: VertexId) -> f64 {
-        let corners = self.mesh.face(face);
-        let at = corners.iter().position(|&corner| corner == vertex).unwrap_or_default();
-        let [a, b, c] = [0, 1, 2].map(|k| self.positions[corners[(at + k) % 3].index()]);
-        let (u, v) = (b - a, c - a);
-        libm::atan2(u.cross(&v).norm(), u.dot(&v))
     }
 }
 
@@ -217,84 +187,4 @@ fn is_laid_out(mesh: &Mesh, frame: &Frame) -> bool {
         extent = extent.max(from_origin.norm());
     }
     thickness <= PLANE * extent
-}
-
-/// For each face whether its normal points outwards.
-fn outwards(mesh: &Mesh, frame: &Frame, bodies: Option<&Sides>) -> Vec<bool> {
-    let orientation = Orientation::of(mesh);
-    let mut pieces: Vec<Vec<FaceId>> = vec![Vec::new(); mesh.num_pieces()];
-    for face in mesh.face_ids().filter(|&face| !mesh.is_body_face(face)) {
-        if let Some(piece) = mesh.piece(face) {
-            pieces[piece.index()].push(face);
-        }
-    }
-    let mut outwards = vec![true; mesh.num_faces()];
-    for faces in &pieces {
-        let piece = Piece { mesh, frame, orientation: &orientation, faces };
-        let is_outwards = piece.is_outwards(bodies);
-        for &face in faces {
-            outwards[face.index()] = is_outwards != orientation.is_reversed(face);
-        }
-    }
-    outwards
-}
-
-/// A piece of cloth, its faces turned so that they agree.
-struct Piece<'a> {
-    mesh: &'a Mesh,
-    frame: &'a Frame,
-    orientation: &'a Orientation,
-    faces: &'a [FaceId],
-}
-
-impl Piece<'_> {
-    /// Whether the turned faces point outwards.
-    fn is_outwards(&self, bodies: Option<&Sides>) -> bool {
-        let (mut sum, mut total, mut as_given) = (Vector3::zeros(), 0.0, 0.0);
-        for &face in self.faces {
-            let area = self.area(face);
-            sum += area;
-            total += area.norm();
-            as_given += if self.orientation.is_reversed(face) { -area.norm() } else { area.norm() };
-        }
-        // Most of the area; the lowest face where both are the same.
-        let as_given = as_given >= 0.0;
-        if bodies.is_none() && sum.norm() > FLAT * total {
-            return as_given;
-        }
-        let votes = self.votes(bodies);
-        if votes.abs() < UNDECIDED { as_given } else { votes > 0.0 }
-    }
-
-    /// The mean of the votes of some faces, positive where they point outwards: by the way to the bodies, or by how
-    /// far the piece winds round its own faces.
-    fn votes(&self, bodies: Option<&Sides>) -> f64 {
-        let winding = WindingTree::new(&self.faces.iter().map(|&face| self.turned(face)).collect::<Vec<_>>());
-        let vote = |&face: &FaceId| {
-            let [a, b, c] = self.turned(face);
-            let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-            match bodies {
-                Some(bodies) => {
-                    let is_inside = bodies.is_inside(middle);
-                    let way = if is_inside { bodies.way_out(middle) } else { bodies.closest(middle, false) };
-                    self.area(face).dot(&way.direction)
-                }
-                None => self.area(face).norm() * winding.number(middle),
-            }
-        };
-        let step = self.faces.len() / SAMPLES + 1;
-        let votes: Vec<f64> = self.faces.par_iter().step_by(step).map(vote).collect();
-        let area: f64 = self.faces.iter().step_by(step).map(|&face| self.area(face).norm()).sum();
-        if area > 0.0 { votes.iter().sum::<f64>() / area } else { 0.0 }
-    }
-
-    fn turned(&self, face: FaceId) -> [Point3<f64>; 3] {
-        let [a, b, c] = self.mesh.face(face).map(|vertex| self.frame.position(vertex));
-        if self.orientation.is_reversed(face) { [a, c, b] } else { [a, b, c] }
-    }
-
-    /// The area vector of a turned face.
-    fn area(&self, face: FaceId) -> Vector3<f64> {
-        0.5 * self.orientation.area(self.mesh, self.frame, face)
-    }
 }

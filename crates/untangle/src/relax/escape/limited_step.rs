@@ -1,26 +1,13 @@
-//! Strain limits of the descent: narrower than those of trials, and always held.
+//! Steps of the descent, made within its strain limits.
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{
-    mesh::{EdgeId, FaceId, Mesh, VertexId},
-    relax::{
-        energy::{ArapEnergy, RestShape},
-        step::{Backtracking, Damping, Islands, stored},
-    },
+use crate::relax::{
+    constraints::ShapeLimits,
+    energy::ArapEnergy,
+    step::{Backtracking, Damping, Islands, stored},
 };
 
-/// Limits of a step.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::relax) struct ShapeLimits {
-    /// No edge may get longer than this many times its length in the input, or shorter than the inverse.
-    pub(in crate::relax) max_stretch: f64,
-    /// No face may keep less than this part of its area.
-    pub(in crate::relax) min_area: f64,
-}
-
-/// Those of the descent.
-const LIMITS: ShapeLimits = ShapeLimits { max_stretch: 1.5, min_area: 0.25 };
 /// Backtracking of vertices beyond a limit.
 const BACKTRACKING: Backtracking = Backtracking { halvings: 2, stops: 4 };
 /// How often the step of an island is halved where that does not help, before it is left out.
@@ -91,7 +78,7 @@ impl LimitedStep {
                 out[vertex.index()] = stored(point, single_precision);
             }
             self.violated.clear();
-            let is_violated = |vertex| LIMITS.are_violated(mesh, rest, before, out, vertex);
+            let is_violated = |vertex| ShapeLimits::DESCENT.are_violated(mesh, rest, before, out, vertex);
             self.violated.extend((0..vertices.len()).filter(|&local| is_violated(vertices[local])));
             if self.violated.is_empty() {
                 return true;
@@ -99,40 +86,5 @@ impl LimitedStep {
             self.damping.damp(mesh, domain, self.violated.iter().copied(), BACKTRACKING.factor(round));
         }
         false
-    }
-}
-
-impl ShapeLimits {
-    /// Whether a face or an edge of a vertex is beyond its limit after a step, and farther than before it.
-    pub(in crate::relax) fn are_violated(
-        self,
-        mesh: &Mesh,
-        rest: &RestShape,
-        before: &[Point3<f64>],
-        after: &[Point3<f64>],
-        vertex: VertexId,
-    ) -> bool {
-        let Self { max_stretch, min_area } = self;
-        let is_edge_violated = |&edge: &EdgeId| {
-            let ends = mesh.edge(edge);
-            let length = |at: &dyn Fn(VertexId) -> Point3<f64>| (at(ends[1]) - at(ends[0])).norm();
-            let input = length(&|vertex| rest.position(vertex));
-            let now = length(&|vertex| after[vertex.index()]);
-            if input == 0.0 || (now <= max_stretch * input && now * max_stretch >= input) {
-                return false;
-            }
-            let then = length(&|vertex| before[vertex.index()]);
-            if now > input { now > then } else { now < then }
-        };
-        let is_face_violated = |&face: &FaceId| {
-            let corners = mesh.face(face);
-            let area = |at: &dyn Fn(VertexId) -> Point3<f64>| {
-                let [a, b, c] = corners.map(at);
-                (b - a).cross(&(c - a)).norm()
-            };
-            let now = area(&|vertex| after[vertex.index()]);
-            now < min_area * area(&|vertex| rest.position(vertex)) && now < area(&|vertex| before[vertex.index()])
-        };
-        mesh.vertex_edges(vertex).iter().any(is_edge_violated) || mesh.vertex_faces(vertex).iter().any(is_face_violated)
     }
 }
