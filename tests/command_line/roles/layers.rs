@@ -149,3 +149,25 @@ fn fix_of_outfits_of_four_layers_on_a_body_in_poses_ends_clean_in_order_and_with
         assert_eq!(near_pairs(&positions, &faces, first_body, 0.002).unwrap().total(), 0, "{arms:?}");
     }
 }
+
+#[test]
+fn fix_puts_garments_that_intersect_in_the_order_in_which_most_of_each_lies() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let files = GARMENTS.map(|name| format!("{name}.obj"));
+    let files = files.each_ref().map(String::as_str);
+    let outfit = Outfit::new(Pose::ALL[0], 28);
+    write(path, "body.obj", &outfit.body);
+    files.iter().zip(&outfit.layers).for_each(|(file, layer)| write(path, file, layer));
+    let mut moved = Vec::new();
+    for options in [&["--body", "body.obj"][..], &[], &["--body", "body.obj", "--layers"]] {
+        let output = fix(&[&files[..], &["-o", "out.obj", "--json", "--overwrite"], options].concat(), path);
+        let report = json(&output);
+        assert_eq!(code(&output), 0, "{options:?}: {}", report["after"]);
+        let out = read_mesh(path.join("out.obj")).unwrap();
+        assert_eq!(num_behind(path, &files, out.positions()), 0, "{options:?}");
+        moved.push(report["distortion"]["mean_displacement_m"].as_f64().unwrap());
+    }
+    // As far as with the order given.
+    assert!(moved.iter().all(|mean_m| *mean_m < 1.1 * moved[2]), "{moved:?}");
+}

@@ -16,7 +16,8 @@
 //! | `attempt` | these three from the input, one where the other ends stuck |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
-//! | `alternatives` | other attempts where the first ended far from the input |
+//! | `alternatives` | an attempt in the order in which pieces lie, and others where the first ended far from the input |
+//! | `input` | what is known of the input before anything moves |
 //! | `solver` | all plans, one after the other |
 //! | `canonical` | the solver on a form of the input that hangs on its shape alone |
 //! | `clearance` | primitives that are nearer than a gap are set apart |
@@ -32,6 +33,7 @@ mod constraints;
 mod energy;
 mod escape;
 mod flattening;
+mod input;
 mod multilevel;
 mod nudge;
 mod outcome;
@@ -60,6 +62,7 @@ pub use settings::{Effort, RelaxSettings};
 /// `progress` is called after each iteration and may end the work; the best state so far is returned then. See
 /// [`relax_until`] for an end within an iteration.
 ///
+/// Where pieces that intersect lie over each other, the first attempt takes each to belong where most of it is.
 /// Where the first attempt took a long way, and ended far from the input, others are made from the input, side by side,
 /// and the end that costs least is kept, with its history. Where only straightening would help, coarser meshes come
 /// first. These tell `progress` nothing.

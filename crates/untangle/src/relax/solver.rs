@@ -6,28 +6,23 @@ use nalgebra::Point3;
 
 use super::{
     alternatives::{
-        CleanEnd, are_allowed, end_from_coarser, end_in_implied_order, is_far, is_near, take, take_if_nearer,
-        take_least, take_led_back,
+        CleanEnd, LayeredAttempt, are_allowed, attempt_in_implied_order, end_from_coarser, is_far, is_near, take,
+        take_if_nearer, take_least, take_led_back,
     },
     attempt::attempt,
     escape::DescentVariant,
     flattening::flatten,
+    input::analyse_input,
     multilevel::CoarserMesh,
     outcome::{BestState, End, Iteration, RelaxError, Solution},
-    plan::{Largest, Plan, StallCriterion, are_copies_in_one_place, is_beyond_trials, plans, plans_without_paths},
+    plan::{Largest, Plan, StallCriterion, plans, plans_without_paths},
     relaxer::{Progress, Relaxer},
     resolve::resolve,
     settings::{RelaxSettings, ShouldStop},
     settle::settle,
     step::total,
 };
-use crate::{
-    analysis::Analysis,
-    intersect::{Intersections, Intersector, Segment},
-    mesh::Mesh,
-    paths::PathPair,
-    settings::InsideChoice,
-};
+use crate::mesh::Mesh;
 
 /// A tangle of less than this part of another is far less.
 const FAR_LESS: f64 = 0.1;
@@ -77,11 +72,23 @@ fn solve_level(
     let input = relaxer.frame.positions().to_vec();
     let mut best = BestState { merit: f64::INFINITY, positions: input };
     let largest = analyse_input(&mut relaxer);
-    let mut layered = if level == Level::Given { end_in_implied_order(&relaxer, largest)? } else { None };
-    if let Some(layered) = layered.take_if(|layered| layered.is_enough()) {
-        take(&mut relaxer, layered.end)?;
-        return Ok(relaxer.into_solution(End::Clean, largest, false));
-    }
+    let layered = match level {
+        Level::Given => attempt_in_implied_order(&relaxer, largest, progress)?,
+        Level::Coarser { .. } => LayeredAttempt::Nothing,
+    };
+    let layered = match layered {
+        LayeredAttempt::Nothing => None,
+        LayeredAttempt::Clean(layered) if layered.is_enough() => {
+            take(&mut relaxer, layered.into_end())?;
+            return Ok(relaxer.into_solution(End::Clean, largest, false));
+        }
+        LayeredAttempt::Clean(layered) => Some(layered),
+        LayeredAttempt::Interrupted(best, history) => {
+            relaxer.set_frame(&best.positions)?;
+            relaxer.history = history;
+            return Ok(relaxer.into_solution(End::Interrupted, largest, true));
+        }
+    };
     let (mut end, mut is_taken) = attempts(level, &mut relaxer, largest, &mut best, progress)?;
     if end == End::Stuck && level.is_to_be_planned() {
         (end, is_taken) = run_plans(level, &mut relaxer, largest, &mut best, progress)?;
@@ -239,55 +246,6 @@ fn flatten_if_it_pays(
         *best = flattened;
     }
     Ok(end)
-}
-
-/// Analyses the input. Gives back what there is to know about the island of paths that has most.
-fn analyse_input(relaxer: &mut Relaxer<'_>) -> Largest {
-    let mut found = Intersections::default();
-    Intersector::default().intersect(relaxer.mesh, &relaxer.frame, &mut found);
-    let many = is_beyond_trials(found.edge_face.len());
-    let wanted = relaxer.analysis_settings.inside;
-    if many {
-        // The size of the largest island needs no better choice, and of so many paths the others take minutes.
-        relaxer.analysis_settings.inside = InsideChoice::Count;
-    }
-    relaxer.analyse();
-    relaxer.measure_islands(0);
-    let largest = largest_island(relaxer);
-    if many && !largest.is_crowded() {
-        relaxer.analysis_settings.inside = wanted;
-        relaxer.analyse();
-    }
-    let positions = relaxer.frame.positions();
-    let wrong = relaxer.sides.as_ref().map(|sides| sides.wrong_groups(relaxer.mesh, positions)).unwrap_or_default();
-    relaxer.first_islands.find(relaxer.mesh, relaxer.analyser.last(), &wrong, usize::MAX / 2);
-    largest
-}
-
-/// The island that has most intersections, of those that were measured last.
-fn largest_island(relaxer: &Relaxer<'_>) -> Largest {
-    let Relaxer { mesh, frame, analyser, islands, now, .. } = relaxer;
-    let Analysis { intersections, paths, .. } = analyser.last();
-    let island = (0..now.len()).rev().max_by_key(|&island| now[island].num_edge_face).unwrap_or(0);
-    let is_here = |pair: &&PathPair| {
-        let first = &paths.segments[paths.copies[pair.copies.start].segments.start];
-        let face = if mesh.is_body_face(first.own) { first.partner } else { first.own };
-        islands.of(mesh.face(face)[0]) == island
-    };
-    let closed = mesh.closed_pieces();
-    let is_flattenable = |segment: &&Segment| {
-        let [a, b] = segment.faces.map(|face| mesh.piece(face));
-        a == b && a.is_some_and(|piece| !closed[piece.index()])
-    };
-    let num_flattenable = intersections.segments.iter().filter(is_flattenable).count();
-    #[expect(clippy::cast_precision_loss, reason = "counts")]
-    let flattenable = num_flattenable as f64 / intersections.segments.len().max(1) as f64;
-    Largest {
-        num_edge_face: now.get(island).map_or(0, |tangle| tangle.num_edge_face),
-        num_pairs: paths.pairs.iter().filter(is_here).count(),
-        flattenable,
-        is_copy: are_copies_in_one_place(mesh, frame, &intersections.segments),
-    }
 }
 
 #[cfg(test)]

@@ -1,42 +1,71 @@
 //! An attempt with the order in which most of each piece lies, where pieces that intersect lie over each other.
 
-use super::{ends::CleanEnd, ways::Way};
+use super::{
+    ends::CleanEnd,
+    is_near,
+    ways::{Way, WayEnd},
+};
 use crate::{
     frame::Frame,
     intersect::{Intersections, Intersector},
     mesh::{Mesh, PieceId, VertexId},
     relax::{
-        outcome::RelaxError, plan::Largest, relaxer::Relaxer, settings::Effort, sides::SideTracker, step::is_movable,
+        outcome::{BestState, Iteration, RelaxError},
+        plan::Largest,
+        relaxer::{Progress, Relaxer},
+        settings::Effort,
+        step::num_movable,
     },
-    sides::with_implied_layers,
+    sides::{Layers, with_implied_layers},
 };
+
+/// How an attempt with layers ended.
+pub(in crate::relax) enum LayeredAttempt {
+    /// It was not made, as no order is clear or bodies or layers say it, or it did not end clean.
+    Nothing,
+    Clean(LayeredEnd),
+    /// The caller asked for it; the best state so far, and its history.
+    Interrupted(BestState, Vec<Iteration>),
+}
 
 /// A clean end of an attempt with layers.
 pub(in crate::relax) struct LayeredEnd {
-    pub(in crate::relax) end: CleanEnd,
+    pub(super) end: CleanEnd,
     /// Whether all that the order calls wrong belongs to what intersects: a collar that is tucked in does not, and
     /// nobody asked to move it.
-    pub(in crate::relax) is_of_tangle: bool,
+    is_of_tangle: bool,
 }
 
-/// Where the first descent ends if pieces that lie over each other belong where most of each is; nothing where no
-/// order is clear, bodies or layers say it, or that is not clean.
+impl LayeredEnd {
+    pub(in crate::relax) fn into_end(self) -> CleanEnd {
+        self.end
+    }
+
+    /// Whether no other attempt is needed.
+    pub(in crate::relax) fn is_enough(&self) -> bool {
+        self.is_of_tangle && is_near(&self.end) && !self.end.is_beyond_limits()
+    }
+}
+
+/// Where the first descent ends if pieces that lie over each other belong where most of each is.
 ///
 /// Cost: that of an attempt.
-pub(in crate::relax) fn end_in_implied_order(
+pub(in crate::relax) fn attempt_in_implied_order(
     relaxer: &Relaxer<'_>,
     largest: Largest,
-) -> Result<Option<LayeredEnd>, RelaxError> {
-    let settings = relaxer.settings;
-    let is_allowed = settings.other_attempts && settings.effort != Effort::Fast && relaxer.sides.is_none();
+    progress: &mut Progress<'_>,
+) -> Result<LayeredAttempt, RelaxError> {
+    let is_allowed = relaxer.settings.effort != Effort::Fast && relaxer.mesh.layers().is_none();
     let meetings = if is_allowed { meetings(relaxer) } else { Vec::new() };
-    if meetings.is_empty() {
-        return Ok(None);
-    }
-    let Some(mesh) = with_implied_layers(relaxer.mesh, &relaxer.frame, &meetings) else { return Ok(None) };
-    let end = Way::Layered(&mesh).end(relaxer, largest)?;
-    let is_of_tangle = is_of_tangle(relaxer, &mesh);
-    Ok(end.filter(|end| is_clean(relaxer, end)).map(|end| LayeredEnd { end, is_of_tangle }))
+    let mesh = if meetings.is_empty() { None } else { with_implied_layers(relaxer.mesh, &relaxer.frame, &meetings) };
+    let Some(mesh) = mesh else { return Ok(LayeredAttempt::Nothing) };
+    Ok(match Way::Layered(&mesh).run(relaxer, largest, progress)? {
+        WayEnd::Clean(end) if is_clean(relaxer, &end) => {
+            LayeredAttempt::Clean(LayeredEnd { end, is_of_tangle: is_of_tangle(relaxer, &mesh) })
+        }
+        WayEnd::Interrupted(best, history) => LayeredAttempt::Interrupted(best, history),
+        WayEnd::Clean(_) | WayEnd::Stuck => LayeredAttempt::Nothing,
+    })
 }
 
 /// The pairs of pieces with a boundary that intersect each other, in order.
@@ -44,7 +73,8 @@ fn meetings(relaxer: &Relaxer<'_>) -> Vec<[PieceId; 2]> {
     let mesh = relaxer.mesh;
     let closed = mesh.closed_pieces();
     let segments = relaxer.analyser.last().intersections.segments.iter();
-    let pieces = segments.filter_map(|segment| match segment.faces.map(|face| mesh.piece(face)) {
+    let of_cloth = segments.filter(|segment| !segment.faces.iter().any(|&face| mesh.is_body_face(face)));
+    let pieces = of_cloth.filter_map(|segment| match segment.faces.map(|face| mesh.piece(face)) {
         [Some(a), Some(b)] if a != b && !closed[a.index()] && !closed[b.index()] => Some([a.min(b), a.max(b)]),
         _ => None,
     });
@@ -54,10 +84,11 @@ fn meetings(relaxer: &Relaxer<'_>) -> Vec<[PieceId; 2]> {
     meetings
 }
 
-/// Whether edges join each vertex on the wrong side, along others there, with a face that intersects something.
+/// Whether edges join each vertex behind a layer, along others there, with a face that intersects something.
 fn is_of_tangle(relaxer: &Relaxer<'_>, layered: &Mesh) -> bool {
-    let Some(sides) = SideTracker::of(layered, &relaxer.frame) else { return true };
-    let wrong = sides.wrong_vertices(layered, relaxer.frame.positions());
+    let Some(layers) = Layers::of(layered, &relaxer.frame, None) else { return true };
+    let wrong = layers.behind(layered, relaxer.frame.positions());
+    let is_wrong = |vertex| wrong.binary_search_by_key(&vertex, |wrong| wrong.vertex).is_ok();
     let segments = &relaxer.analyser.last().intersections.segments;
     let mut is_reached = vec![false; layered.num_vertices()];
     let mut stack: Vec<VertexId> =
@@ -66,16 +97,17 @@ fn is_of_tangle(relaxer: &Relaxer<'_>, layered: &Mesh) -> bool {
     while let Some(vertex) = stack.pop() {
         for &edge in layered.vertex_edges(vertex) {
             let next = layered.opposite_vertex(edge, vertex);
-            if !is_reached[next.index()] && wrong.binary_search(&next).is_ok() {
+            if !is_reached[next.index()] && is_wrong(next) {
                 is_reached[next.index()] = true;
                 stack.push(next);
             }
         }
     }
-    wrong.iter().all(|vertex| is_reached[vertex.index()])
+    wrong.iter().all(|wrong| is_reached[wrong.vertex.index()])
 }
 
-/// Whether nothing intersects that a motion can change: what hangs on pins ends an attempt with layers too.
+/// Whether nothing intersects that a motion can change, and nothing is inside of bodies: what hangs on pins ends an
+/// attempt with layers too.
 fn is_clean(relaxer: &Relaxer<'_>, end: &CleanEnd) -> bool {
     let mut frame = Frame::default();
     if frame.set(relaxer.mesh, end.positions.iter().map(|point| (*point).into())).is_err() {
@@ -83,7 +115,8 @@ fn is_clean(relaxer: &Relaxer<'_>, end: &CleanEnd) -> bool {
     }
     let mut found = Intersections::default();
     Intersector::default().intersect(relaxer.mesh, &frame, &mut found);
-    !found.edge_face.iter().any(|found| is_movable(relaxer.mesh, found))
+    let num_wrong = relaxer.sides.as_ref().map_or(0, |sides| sides.wrong(relaxer.mesh, &end.positions).len());
+    num_wrong == 0 && num_movable(relaxer.mesh, &found) == 0
 }
 
 #[cfg(test)]
@@ -92,8 +125,11 @@ mod tests {
 
     use nalgebra::Point3;
 
-    use super::*;
-    use crate::relax::{RelaxSettings, escape::tests::samples::Pieces, relax};
+    use crate::{
+        analysis::analyse,
+        frame::Frame,
+        relax::{Iteration, RelaxSettings, escape::tests::samples::Pieces, relax, sides::SideTracker},
+    };
 
     /// How far the mean vertex moved, and how many vertices of the second piece are behind the first one.
     fn relaxed(pieces: &Pieces) -> (f64, usize) {
@@ -107,6 +143,24 @@ mod tests {
         let layered = mesh.with_layers(mesh.vertex_ids().map(|vertex| u32::from(vertex.0 >= second)).collect());
         let behind = SideTracker::of(&layered, &frame).unwrap().wrong_vertices(&layered, &positions);
         (moved_m / f64::from(2 * second), behind.len())
+    }
+
+    #[test]
+    fn work_that_ends_within_the_attempt_leaves_its_best_state() {
+        let pieces = Pieces::sleeves(24, 0.03);
+        let (mesh, frame) = pieces.mesh();
+        let num_before = analyse(&mesh, &frame).intersections.edge_face.len();
+        let mut num_calls = 0;
+        let mut once = |_: &Iteration| {
+            num_calls += 1;
+            ControlFlow::Break(())
+        };
+        let found = relax(&mesh, &pieces.positions, &RelaxSettings::default(), &mut once).unwrap();
+        let after = Frame::new(&mesh, &found.positions).unwrap();
+        let num_after = analyse(&mesh, &after).intersections.edge_face.len();
+        println!("{num_before} {num_after}");
+        assert!(found.interrupted && num_calls == 1 && found.history.len() == 1);
+        assert!(2 * num_after < num_before);
     }
 
     #[test]

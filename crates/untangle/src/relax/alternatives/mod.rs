@@ -28,7 +28,7 @@ use super::{
 };
 pub(super) use ends::CleanEnd;
 use ends::{Measure, mean_displacement};
-pub(super) use layered::{LayeredEnd, end_in_implied_order};
+pub(super) use layered::{LayeredAttempt, LayeredEnd, attempt_in_implied_order};
 use ways::Way;
 
 /// A state is near the input where its vertices moved by no more than this part of the diagonal, on the average.
@@ -62,18 +62,6 @@ pub(super) fn is_near(end: &CleanEnd) -> bool {
     end.mean() <= NEAR_OF_LARGE
 }
 
-/// Whether an end is as near, and within the limits of the descent.
-fn is_near_and_unstrained(end: &CleanEnd) -> bool {
-    is_near(end) && !end.is_beyond_limits()
-}
-
-impl LayeredEnd {
-    /// Whether no other attempt is needed.
-    pub(super) fn is_enough(&self) -> bool {
-        self.is_of_tangle && is_near_and_unstrained(&self.end)
-    }
-}
-
 /// Goes over to another end where the present state is not clean, or moves or strains more. True if it did.
 pub(super) fn take_if_nearer(
     relaxer: &mut Relaxer<'_>,
@@ -100,7 +88,7 @@ pub(super) fn end_from_coarser(
 
 /// Goes over to an end, led back where it is far from the input, or strains an edge or a face beyond the limits.
 pub(super) fn take_led_back(relaxer: &mut Relaxer<'_>, largest: Largest, end: CleanEnd) -> Result<(), RelaxError> {
-    if is_near_and_unstrained(&end) {
+    if is_near(&end) && !end.is_beyond_limits() {
         return take(relaxer, end);
     }
     take_nearest(relaxer, largest, vec![end]).map(|_| ())

@@ -13,7 +13,7 @@ use crate::{
         escape::DescentVariant,
         outcome::{BestState, End, Iteration, RelaxError},
         plan::{Largest, Pace, StallCriterion},
-        relaxer::Relaxer,
+        relaxer::{Progress, Relaxer},
         resolve::resolve,
         settle::settle,
         step::stored,
@@ -44,6 +44,20 @@ impl Way<'_> {
     ///
     /// Cost: that of an attempt and of shape recovery.
     pub(super) fn end(self, first: &Relaxer<'_>, largest: Largest) -> Result<Option<CleanEnd>, RelaxError> {
+        let mut progress = |_: &Iteration| ControlFlow::Continue(());
+        Ok(match self.run(first, largest, &mut progress)? {
+            WayEnd::Clean(end) => Some(end),
+            WayEnd::Interrupted(..) | WayEnd::Stuck => None,
+        })
+    }
+
+    /// The same with an end that the caller may bring about.
+    pub(super) fn run(
+        self,
+        first: &Relaxer<'_>,
+        largest: Largest,
+        progress: &mut Progress<'_>,
+    ) -> Result<WayEnd, RelaxError> {
         let Relaxer { settings, should_stop, rest, .. } = first;
         let mesh = if let Self::Layered(mesh) = self { mesh } else { first.mesh };
         let input: Vec<[f64; 3]> = rest.positions().iter().map(|&at| at.into()).collect();
@@ -64,27 +78,41 @@ impl Way<'_> {
             Self::Trials(_) | Self::Descent(_) | Self::Layered(_) => {}
         }
         relaxer.set_frame(&start)?;
-        let mut progress = |_: &Iteration| ControlFlow::Continue(());
         let mut best = BestState { merit: f64::INFINITY, positions: start };
         let num_edge_face = largest.num_edge_face;
         let how = match self {
             Self::Trials(objective) => {
                 let stall = StallCriterion::with(num_edge_face, Pace::Usual);
-                resolve(&mut relaxer, objective, Pace::Usual, stall, &mut best, &mut progress)?
+                resolve(&mut relaxer, objective, Pace::Usual, stall, &mut best, progress)?
             }
-            Self::Descent(variant) => attempt(&mut relaxer, num_edge_face, variant, &mut best, &mut progress)?,
+            Self::Descent(variant) => attempt(&mut relaxer, num_edge_face, variant, &mut best, progress)?,
             Self::Part(..) | Self::Coarser(_) | Self::Layered(_) => {
-                attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, &mut progress)?
+                attempt(&mut relaxer, num_edge_face, DescentVariant::FIRST, &mut best, progress)?
             }
         };
+        if how == End::Interrupted {
+            return Ok(WayEnd::Interrupted(best, relaxer.history));
+        }
         if how != End::Clean {
-            return Ok(None);
+            return Ok(WayEnd::Stuck);
         }
         relaxer.set_frame(&best.positions)?;
-        let is_ended = settle(&mut relaxer, &mut progress)?;
+        let is_ended = settle(&mut relaxer, progress)?;
         if let Self::Part(end, _) = self {
             relaxer.history.splice(0..0, end.history.iter().copied());
         }
-        Ok((!is_ended && !should_stop()).then(|| CleanEnd::of(&relaxer)))
+        if is_ended || should_stop() {
+            let best = BestState { merit: 0.0, positions: relaxer.frame.positions().to_vec() };
+            return Ok(WayEnd::Interrupted(best, relaxer.history));
+        }
+        Ok(WayEnd::Clean(CleanEnd::of(&relaxer)))
     }
+}
+
+/// How an attempt ended.
+pub(super) enum WayEnd {
+    Clean(CleanEnd),
+    /// The caller asked for it; the best state so far, and its history.
+    Interrupted(BestState, Vec<Iteration>),
+    Stuck,
 }

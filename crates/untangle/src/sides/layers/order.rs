@@ -13,7 +13,7 @@ use super::{REACH, normals::OutwardNormals, outwards::outwards};
 use crate::{
     frame::Frame,
     mesh::{FaceId, Mesh, PieceId},
-    sides::surface::Surface,
+    sides::{Sides, surface::Surface},
 };
 
 /// Two surfaces lie over each other where their normals differ by less than 45 degrees, or more than 135.
@@ -22,6 +22,8 @@ const LEAST_COSINE: f64 = 0.7;
 const LEAST_COVER: f64 = 1.0 / 3.0;
 /// And less than this part of it is on the wrong side.
 const CLEAR: f64 = 0.45;
+/// Corners of a piece at which it is asked what it is nearest to, at most.
+const SAMPLES: usize = 32;
 
 /// The mesh with layers: pieces that lie over each other in the order in which most of each lies. `meetings` are the
 /// pairs of pieces that intersect. Nothing where one of these has no clear order, or the orders form a circle.
@@ -36,7 +38,8 @@ pub(crate) fn with_implied_layers(mesh: &Mesh, frame: &Frame, meetings: &[[Piece
     let mut numbers = numbers(&orders.filter(|orders| !orders.is_empty())?)?;
     for index in 0..mesh.num_pieces() {
         let piece = PieceId(u32::try_from(index).ok()?);
-        if !numbers.contains_key(&piece) {
+        let is_cloth = !pieces.faces[index].iter().any(|&face| mesh.is_body_face(face));
+        if is_cloth && !numbers.contains_key(&piece) {
             let nearest = pieces.nearest(&surfaces, piece)?;
             numbers.insert(piece, numbers[&nearest]);
         }
@@ -44,7 +47,8 @@ pub(crate) fn with_implied_layers(mesh: &Mesh, frame: &Frame, meetings: &[[Piece
     let mut layers = vec![0; mesh.num_vertices()];
     for face in mesh.face_ids() {
         if let Some(piece) = mesh.piece(face) {
-            mesh.face(face).iter().for_each(|vertex| layers[vertex.index()] = numbers[&piece]);
+            let number = numbers.get(&piece).copied().unwrap_or(0);
+            mesh.face(face).iter().for_each(|vertex| layers[vertex.index()] = number);
         }
     }
     Some(mesh.with_layers(layers).with_outwards(Some(&pieces.outwards)))
@@ -67,7 +71,12 @@ impl<'a> Pieces<'a> {
                 faces[piece.index()].push(face);
             }
         }
-        Self { mesh, positions: frame.positions(), outwards: outwards(mesh, frame, None), faces }
+        Self {
+            mesh,
+            positions: frame.positions(),
+            outwards: outwards(mesh, frame, Sides::of(mesh, frame).as_ref()),
+            faces,
+        }
     }
 
     fn triangle(&self, face: FaceId) -> [Point3<f64>; 3] {
@@ -117,9 +126,10 @@ impl<'a> Pieces<'a> {
         Cover { part: part(over_m2, all_m2, 0.0), behind: part(behind_m2, over_m2, 1.0) }
     }
 
-    /// The one of some pieces that the vertices of another one are nearest to, on the average.
+    /// The one of some pieces that the corners of another one are nearest to, on the average.
     fn nearest(&self, surfaces: &BTreeMap<PieceId, Surface>, piece: PieceId) -> Option<PieceId> {
         let corners: Vec<Point3<f64>> = self.triangles(piece).concat();
+        let corners: Vec<Point3<f64>> = corners.iter().copied().step_by(corners.len() / SAMPLES + 1).collect();
         let sum_m = |surface: &Surface| -> f64 {
             let distance_m =
                 |&at: &Point3<f64>| surface.closest(at, |_| true).map_or(0.0, |place| (place.point - at).norm());
