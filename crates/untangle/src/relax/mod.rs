@@ -16,7 +16,7 @@
 //! | `attempt` | these three from the input, one where the other ends stuck |
 //! | `flattening` | the last resort: pieces are flattened, and recover from there |
 //! | `settle` | shape recovery once nothing intersects |
-//! | `alternatives` | an attempt in the order in which pieces lie, and others where the first ended far from the input |
+//! | `alternatives` | an attempt in the order in which pieces lie, and others where an end is far from the input |
 //! | `input` | what is known of the input before anything moves |
 //! | `solver` | all plans, one after the other |
 //! | `canonical` | the solver on a form of the input that hangs on its shape alone |
