@@ -37,7 +37,7 @@ use untangled_mesh_io::MeshFile;
 
 pub use args::{FixArgs, QualityArg};
 pub use error::FixError;
-pub use report::{Blocked, Counts, Distortion, LayerChange, Report};
+pub use report::{Blocked, Counts, Distortion, ImpliedOrder, LayerChange, Report};
 
 use super::{
     certificate::Certificate,
@@ -90,8 +90,6 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Fixe
     interrupt.check()?;
     progress.say("analysing");
     let (before, found) = count(args, &files, &roles, &input)?;
-    // What was found is only kept for a page.
-    let found = page_target.is_some().then_some(found);
     interrupt.check()?;
     let deadline = args.time_limit.and_then(|limit| start.checked_add(limit));
     let (store, settings) = (Store::Files(&jobs), settings(args, &jobs));
@@ -109,6 +107,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Fixe
         clean: after.is_certified() && gap.as_ref().is_none_or(GapReport::is_kept),
         bodies: roles.reports(),
         layers: LayerChange::of(&before, &after),
+        implied_order: ImpliedOrder::of(&input, &found.intersections, &read_back, &owners),
         num_welded_vertices: input.weld.num_merged(),
         num_zeroed_coordinates: input.num_zeroed_coordinates(),
         time_limit_reached,
@@ -122,7 +121,7 @@ fn fix(args: &FixArgs, solver: Solver<'_>, interrupt: &Interrupt) -> Result<Fixe
         history,
     };
     persist(&report, staged, report_target, interrupt)?;
-    let page = page_target.zip(found).map_or(Ok(()), |(target, found)| {
+    let page = page_target.map_or(Ok(()), |target| {
         progress.say("writing the page");
         let states = [State(&input, &found), State(&read_back, &left)];
         write_page(args, (&files, &roles, &pins), states, &report, &target, interrupt)

@@ -167,6 +167,14 @@ fn fix_puts_garments_that_intersect_in_the_order_in_which_most_of_each_lies() {
         let out = read_mesh(path.join("out.obj")).unwrap();
         assert_eq!(num_behind(path, &files, out.positions()), 0, "{options:?}");
         moved.push(report["distortion"]["mean_displacement_m"].as_f64().unwrap());
+        // Of each pair that intersects the inner one comes first in the list.
+        let orders = report["implied_order"].as_array().map_or(&[][..], Vec::as_slice);
+        assert_eq!(orders.is_empty(), options.contains(&"--layers"), "{orders:?}");
+        let place = |name: &serde_json::Value| files.iter().position(|file| name.as_str().unwrap().starts_with(file));
+        assert!(
+            orders.iter().all(|order| place(&order["inner"]).unwrap() < place(&order["outer"]).unwrap()),
+            "{orders:?}"
+        );
     }
     // As far as with the order given.
     assert!(moved.iter().all(|mean_m| *mean_m < 1.1 * moved[2]), "{moved:?}");

@@ -42,8 +42,8 @@ use crate::mesh::{FaceId, VertexId};
 pub(crate) use body::cloth_vertices;
 pub use body::{Sides, Way};
 pub use cluster::{WrongCluster, clusters};
-pub use layers::Layers;
-pub(crate) use layers::{LayerState, with_implied_layers};
+pub(crate) use layers::LayerState;
+pub use layers::{ImpliedLayers, Layers};
 pub(crate) use orientation::Orientation;
 
 /// A vertex of a cloth inside of a body, or behind an inner layer.

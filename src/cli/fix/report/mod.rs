@@ -3,6 +3,7 @@
 mod blocked;
 mod counts;
 mod distortion;
+mod order;
 
 use std::{
     collections::BTreeMap,
@@ -22,6 +23,8 @@ use crate::cli::{
 pub use blocked::Blocked;
 pub use counts::{Counts, LayerChange};
 pub use distortion::Distortion;
+pub use order::ImpliedOrder;
+use order::say_order;
 
 /// The report of one repair; its fields are the JSON schema `untangled.fix/1`.
 #[derive(Clone, Debug, Serialize)]
@@ -41,6 +44,9 @@ pub struct Report {
     /// The layers, if the files are layers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<Vec<LayerChange>>,
+    /// Pieces of cloth without a given order that ended in the one in which most of each was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub implied_order: Vec<ImpliedOrder>,
     /// Vertices that are one with an earlier one in their place, and moved with it.
     pub num_welded_vertices: usize,
     /// Coordinates below 2^-250 m, which count as zero.
@@ -136,7 +142,8 @@ impl Report {
                 after.num_vertices_inside_body,
             )?;
         }
-        say_layers(f, self.after.layers.as_deref())
+        say_layers(f, self.after.layers.as_deref())?;
+        say_order(f, &self.implied_order)
     }
 
     /// How far the cloth moved, and how it was stretched.

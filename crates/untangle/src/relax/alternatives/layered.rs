@@ -8,7 +8,7 @@ use super::{
 use crate::{
     frame::Frame,
     intersect::{Intersections, Intersector},
-    mesh::{Mesh, PieceId, VertexId},
+    mesh::{Mesh, VertexId},
     relax::{
         outcome::{BestState, Iteration, RelaxError},
         plan::Largest,
@@ -16,7 +16,7 @@ use crate::{
         settings::Effort,
         step::num_movable,
     },
-    sides::{Layers, with_implied_layers},
+    sides::{ImpliedLayers, Layers},
 };
 
 /// How an attempt with layers ended.
@@ -55,10 +55,13 @@ pub(in crate::relax) fn attempt_in_implied_order(
     largest: Largest,
     progress: &mut Progress<'_>,
 ) -> Result<LayeredAttempt, RelaxError> {
-    let is_allowed = relaxer.settings.effort != Effort::Fast && relaxer.mesh.layers().is_none();
-    let meetings = if is_allowed { meetings(relaxer) } else { Vec::new() };
-    let mesh = if meetings.is_empty() { None } else { with_implied_layers(relaxer.mesh, &relaxer.frame, &meetings) };
-    let Some(mesh) = mesh else { return Ok(LayeredAttempt::Nothing) };
+    if relaxer.settings.effort == Effort::Fast {
+        return Ok(LayeredAttempt::Nothing);
+    }
+    let found = &relaxer.analyser.last().intersections;
+    let Some(ImpliedLayers { mesh, .. }) = ImpliedLayers::of(relaxer.mesh, &relaxer.frame, found) else {
+        return Ok(LayeredAttempt::Nothing);
+    };
     Ok(match Way::Layered(&mesh).run(relaxer, largest, progress)? {
         WayEnd::Clean(end) if is_clean(relaxer, &end) => {
             LayeredAttempt::Clean(LayeredEnd { end, is_of_tangle: is_of_tangle(relaxer, &mesh) })
@@ -66,22 +69,6 @@ pub(in crate::relax) fn attempt_in_implied_order(
         WayEnd::Interrupted(best, history) => LayeredAttempt::Interrupted(best, history),
         WayEnd::Clean(_) | WayEnd::Stuck => LayeredAttempt::Nothing,
     })
-}
-
-/// The pairs of pieces with a boundary that intersect each other, in order.
-fn meetings(relaxer: &Relaxer<'_>) -> Vec<[PieceId; 2]> {
-    let mesh = relaxer.mesh;
-    let closed = mesh.closed_pieces();
-    let segments = relaxer.analyser.last().intersections.segments.iter();
-    let of_cloth = segments.filter(|segment| !segment.faces.iter().any(|&face| mesh.is_body_face(face)));
-    let pieces = of_cloth.filter_map(|segment| match segment.faces.map(|face| mesh.piece(face)) {
-        [Some(a), Some(b)] if a != b && !closed[a.index()] && !closed[b.index()] => Some([a.min(b), a.max(b)]),
-        _ => None,
-    });
-    let mut meetings: Vec<[PieceId; 2]> = pieces.collect();
-    meetings.sort_unstable();
-    meetings.dedup();
-    meetings
 }
 
 /// Whether edges join each vertex behind a layer, along others there, with a face that intersects something.

@@ -30,7 +30,7 @@ use crate::{
     mesh::{FaceId, Mesh, VertexId},
 };
 use normals::OutwardNormals;
-pub(crate) use order::with_implied_layers;
+pub use order::ImpliedLayers;
 use outwards::outwards;
 
 /// Layers lie over each other within this part of the diagonal of the box round the inner one.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::{REACH, normals::OutwardNormals, outwards::outwards};
 use crate::{
     frame::Frame,
+    intersect::Intersections,
     mesh::{FaceId, Mesh, PieceId},
     sides::{Sides, surface::Surface},
 };
@@ -25,33 +26,66 @@ const CLEAR: f64 = 0.45;
 /// Corners of a piece at which it is asked what it is nearest to, at most.
 const SAMPLES: usize = 32;
 
-/// The mesh with layers: pieces that lie over each other in the order in which most of each lies. `meetings` are the
-/// pairs of pieces that intersect. Nothing where one of these has no clear order, or the orders form a circle.
-///
-/// Cost: O(n log n) in the faces for each meeting, in parallel.
-pub(crate) fn with_implied_layers(mesh: &Mesh, frame: &Frame, meetings: &[[PieceId; 2]]) -> Option<Mesh> {
-    let pieces = Pieces::of(mesh, frame);
-    let surfaces: BTreeMap<PieceId, Surface> =
-        meetings.iter().flatten().filter_map(|&piece| Some((piece, Surface::new(&pieces.triangles(piece))?))).collect();
-    let orders: Option<Vec<[PieceId; 2]>> =
-        meetings.iter().map(|&meeting| pieces.inner_first(&surfaces, meeting)).collect();
-    let mut numbers = numbers(&orders.filter(|orders| !orders.is_empty())?)?;
-    for index in 0..mesh.num_pieces() {
-        let piece = PieceId(u32::try_from(index).ok()?);
-        let is_cloth = !pieces.faces[index].iter().any(|&face| mesh.is_body_face(face));
-        if is_cloth && !numbers.contains_key(&piece) {
-            let nearest = pieces.nearest(&surfaces, piece)?;
-            numbers.insert(piece, numbers[&nearest]);
+/// Pieces that intersect and lie over each other, in the order in which most of each lies.
+#[derive(Clone, Debug)]
+pub struct ImpliedLayers {
+    /// The mesh with these layers, and with what is outwards decided.
+    pub mesh: Mesh,
+    /// For each pair of pieces that intersect a face of the inner one and a face of the outer one.
+    pub orders: Vec<[FaceId; 2]>,
+}
+
+impl ImpliedLayers {
+    /// What a state shows in which something intersects. Pieces without a boundary, and bodies, have no order. Nothing
+    /// where no others intersect, one pair of them has no clear order, the orders form a circle, or layers are given.
+    ///
+    /// Cost: O(n log n) in the faces for each pair, in parallel.
+    #[must_use]
+    pub fn of(mesh: &Mesh, frame: &Frame, found: &Intersections) -> Option<Self> {
+        let meetings = if mesh.layers().is_none() { meetings(mesh, found) } else { Vec::new() };
+        if meetings.is_empty() {
+            return None;
         }
-    }
-    let mut layers = vec![0; mesh.num_vertices()];
-    for face in mesh.face_ids() {
-        if let Some(piece) = mesh.piece(face) {
-            let number = numbers.get(&piece).copied().unwrap_or(0);
-            mesh.face(face).iter().for_each(|vertex| layers[vertex.index()] = number);
+        let pieces = Pieces::of(mesh, frame);
+        let surface = |piece: PieceId| Some((piece, Surface::new(&pieces.triangles(piece))?));
+        let surfaces: BTreeMap<PieceId, Surface> =
+            meetings.iter().flatten().filter_map(|&piece| surface(piece)).collect();
+        let orders: Option<Vec<[PieceId; 2]>> =
+            meetings.iter().map(|&meeting| pieces.inner_first(&surfaces, meeting)).collect();
+        let orders = orders?;
+        let mut numbers = numbers(&orders)?;
+        for index in 0..mesh.num_pieces() {
+            let piece = PieceId(u32::try_from(index).ok()?);
+            let is_cloth = !pieces.faces[index].iter().any(|&face| mesh.is_body_face(face));
+            if is_cloth && !numbers.contains_key(&piece) {
+                let nearest = pieces.nearest(&surfaces, piece)?;
+                numbers.insert(piece, numbers[&nearest]);
+            }
         }
+        let mut layers = vec![0; mesh.num_vertices()];
+        for face in mesh.face_ids() {
+            if let Some(piece) = mesh.piece(face) {
+                let number = numbers.get(&piece).copied().unwrap_or(0);
+                mesh.face(face).iter().for_each(|vertex| layers[vertex.index()] = number);
+            }
+        }
+        let orders = orders.iter().map(|order| order.map(|piece| pieces.faces[piece.index()][0])).collect();
+        Some(Self { mesh: mesh.with_layers(layers).with_outwards(Some(&pieces.outwards)), orders })
     }
-    Some(mesh.with_layers(layers).with_outwards(Some(&pieces.outwards)))
+}
+
+/// The pairs of pieces with a boundary that intersect each other, in order; no bodies.
+fn meetings(mesh: &Mesh, found: &Intersections) -> Vec<[PieceId; 2]> {
+    let closed = mesh.closed_pieces();
+    let of_cloth = found.segments.iter().filter(|segment| !segment.faces.iter().any(|&face| mesh.is_body_face(face)));
+    let pieces = of_cloth.filter_map(|segment| match segment.faces.map(|face| mesh.piece(face)) {
+        [Some(a), Some(b)] if a != b && !closed[a.index()] && !closed[b.index()] => Some([a.min(b), a.max(b)]),
+        _ => None,
+    });
+    let mut meetings: Vec<[PieceId; 2]> = pieces.collect();
+    meetings.sort_unstable();
+    meetings.dedup();
+    meetings
 }
 
 /// The pieces of a mesh in a state.
@@ -180,7 +214,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::mesh::MeshDescription;
+    use crate::{intersect::Intersector, mesh::MeshDescription};
 
     /// Tubes along an axis, each of a radius with waves, a place along the axis, and a sense of its faces.
     fn tubes(tubes: &[(f64, f64, [f64; 3], bool)]) -> (Mesh, Frame) {
@@ -208,11 +242,15 @@ mod tests {
     }
 
     /// The layer of each piece, where there are any.
-    fn layers(given: &[(f64, f64, [f64; 3], bool)], meetings: &[[u32; 2]]) -> Option<Vec<u32>> {
+    fn layers(given: &[(f64, f64, [f64; 3], bool)]) -> Option<Vec<u32>> {
         let (mesh, frame) = tubes(given);
-        let meetings: Vec<[PieceId; 2]> = meetings.iter().map(|meeting| meeting.map(PieceId)).collect();
-        let layered = with_implied_layers(&mesh, &frame, &meetings)?;
-        Some(layered.layers().unwrap().iter().step_by(24 * 24).copied().collect())
+        let mut found = Intersections::default();
+        Intersector::default().intersect(&mesh, &frame, &mut found);
+        let ImpliedLayers { mesh, orders } = ImpliedLayers::of(&mesh, &frame, &found)?;
+        let numbers = mesh.layers().unwrap();
+        let number = |face: FaceId| numbers[mesh.face(face)[0].index()];
+        assert!(orders.iter().all(|&[inner, outer]| number(inner) < number(outer)));
+        Some(numbers.iter().step_by(24 * 24).copied().collect())
     }
 
     #[test]
@@ -220,24 +258,24 @@ mod tests {
         for turned in [false, true] {
             let inner = (1.0, 0.0, [0.0; 3], false);
             let outer = (1.03, 0.1, [0.0; 3], turned);
-            assert_eq!(layers(&[inner, outer], &[[0, 1]]), Some(vec![0, 1]));
-            assert_eq!(layers(&[outer, inner], &[[0, 1]]), Some(vec![1, 0]));
+            assert_eq!(layers(&[inner, outer]), Some(vec![0, 1]));
+            assert_eq!(layers(&[outer, inner]), Some(vec![1, 0]));
         }
     }
 
     #[test]
     fn tubes_that_lie_half_outside_of_each_other_or_beside_each_other_have_no_order() {
         let tube = |radius_m: f64, wave_m: f64, y: f64| (radius_m, wave_m, [0.0, y, 0.0], false);
-        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.0, 0.1, 0.0)], &[[0, 1]]), None);
-        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.0, 0.0, 1.9)], &[[0, 1]]), None);
-        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.1, 0.0, 0.0)], &[]), None);
+        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.0, 0.1, 0.0)]), None);
+        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.0, 0.0, 1.9)]), None);
+        assert_eq!(layers(&[tube(1.0, 0.0, 0.0), tube(1.1, 0.0, 0.0)]), None);
     }
 
     #[test]
     fn pieces_without_an_order_go_with_the_one_that_is_nearest() {
         let tube = |radius_m: f64, wave_m: f64, x: f64| (radius_m, wave_m, [x, 0.0, 0.0], false);
-        let outfit = [tube(1.2, 0.0, 0.0), tube(1.0, 0.1, 0.0), tube(1.4, 0.0, 0.5), tube(0.9, 0.0, 0.2)];
-        assert_eq!(layers(&outfit, &[[0, 1]]), Some(vec![1, 0, 1, 0]));
+        let outfit = [tube(1.05, 0.0, 0.0), tube(1.0, 0.1, 0.0), tube(1.4, 0.0, 0.5), tube(0.8, 0.0, 0.2)];
+        assert_eq!(layers(&outfit), Some(vec![1, 0, 1, 0]));
     }
 
     #[test]
