@@ -21,7 +21,7 @@ use crate::cli::{
 const MOST: usize = 10;
 
 /// Two pieces of cloth that intersected, of which one lies outside of the other one now, as most of it did before.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct ImpliedOrder {
     /// The inner piece: its file and object, or a vertex of it.
     pub inner: String,
@@ -43,7 +43,11 @@ impl ImpliedOrder {
         };
         let implied = ImpliedLayers::of(&before.mesh, &before.frame, found).filter(is_kept);
         let orders = implied.map(|implied| implied.orders).unwrap_or_default();
-        orders.iter().map(|&order| Self::named(before, order, owners)).collect()
+        let mut named: Vec<Self> = orders.iter().map(|&order| Self::named(before, order, owners)).collect();
+        // A garment of several pieces has one name.
+        named.sort();
+        named.dedup();
+        named
     }
 
     fn named(input: &Input, faces: [FaceId; 2], owners: &Owners<'_>) -> Self {
