@@ -21,7 +21,7 @@ use crate::{
 
 /// How an attempt with layers ended.
 pub(in crate::relax) enum LayeredAttempt {
-    /// It was not made, as no order is clear or bodies or layers say it, or it did not end clean.
+    /// It was not made, as no order is clear, layers say it or the effort is too small, or it did not end clean.
     Nothing,
     Clean(LayeredEnd),
     /// The caller asked for it; the best state so far, and its history.
